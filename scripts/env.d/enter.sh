@@ -1,0 +1,85 @@
+# shellcheck shell=bash
+# Entering the root file system: /usr, /etc and /var are Debian 13's, everything else is the
+# machine's own, at its own path. Sourced by scripts/env.
+: "${checkout:?}"
+
+# Bubblewrap makes the view and a process that holds it open; nsenter joins the view and becomes
+# COMMAND. So COMMAND has the process id and the terminal of scripts/env: signals reach it, and its
+# exit status is ours.
+enter_root() {  # root, command...
+    local root=$1 here=$PWD holder lock view=()
+    local -a nsenter=(nsenter --mount)
+    shift
+    ((UID == 0)) || nsenter+=(--user --preserve-credentials)
+    exec {lock}<"$root"
+    flock --shared "$lock"  # inherited by COMMAND: its root is not removed while it runs
+    set_root_variables
+    mapfile -d '' -t view < <(view_of "$root")
+    # shellcheck disable=SC2016
+    read -r holder < <(bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- &) ||
+        fail 1 "bubblewrap could not enter $root"
+    wait $!
+    # shellcheck disable=SC2016
+    exec "${nsenter[@]}" --target "$holder" /bin/sh -c '
+        kill "$1"
+        cd -- "$2" || exit 1
+        shift 2
+        exec "$@"' scripts/env "$holder" "$here" "$@"
+}
+
+# Bubblewrap's arguments, each ended by a NUL.
+view_of() {  # root
+    local root=$1 entry folder
+    for entry in "$root"/{bin,sbin,lib,lib32,lib64,libx32}; do
+        [[ ! -L $entry ]] || printf '%s\0' --symlink "$(readlink "$entry")" "${entry#"$root"}"
+    done
+    # /usr/local and /var stay open for what the machine keeps there.
+    for entry in "$root"/usr/*; do
+        [[ $entry == */local ]] || printf '%s\0' --ro-bind "$entry" "${entry#"$root"}"
+    done
+    printf '%s\0' --ro-bind "$root/etc" /etc --ro-bind "$root/var/lib/dpkg" /var/lib/dpkg
+    for entry in /*; do
+        case $entry in
+            /usr | /etc | /var | /bin | /sbin | /lib | /lib32 | /lib64 | /libx32) ;;
+            *) if [[ -L $entry ]]; then
+                printf '%s\0' --symlink "$(readlink "$entry")" "$entry"
+            elif [[ -d $entry ]]; then
+                printf '%s\0' --dev-bind "$entry" "$entry"
+            fi ;;
+        esac
+    done
+    for folder in /var/tmp "$HOME" "$checkout" "$PWD" "$(pwd -P)"; do
+        case $folder in
+            /usr/local/* | /var/*) [[ ! -d $folder ]] || printf '%s\0' --bind "$folder" "$folder" ;;
+        esac
+    done
+    for entry in "${etc_of_the_machine[@]}"; do
+        [[ ! -e $entry || ! -e $root$entry ]] ||
+            printf '%s\0' --ro-bind "$(readlink -f "$entry")" "$entry"
+    done
+    # A file written where the machine has no folder shows as an error, not as a lost file.
+    printf '%s\0' --remount-ro /
+}
+
+# The machine's own users, names, network, certificates and package index settings.
+etc_of_the_machine=(
+    /etc/passwd /etc/group /etc/hostname /etc/hosts /etc/resolv.conf /etc/localtime
+    /etc/pip.conf /etc/ssl/certs/ca-certificates.crt
+)
+
+set_root_variables() {
+    local name
+    # Paths of the machine's own compilers, libraries and Pythons mean nothing inside.
+    for name in PYTHONHOME PYTHONPATH VIRTUAL_ENV CONDA_PREFIX LD_LIBRARY_PATH LD_PRELOAD \
+        PETSC_DIR PETSC_ARCH SLEPC_DIR OPAL_PREFIX CC CXX CPP CFLAGS CXXFLAGS CPPFLAGS LDFLAGS \
+        CPATH LIBRARY_PATH PKG_CONFIG_PATH "${!PYENV_@}"; do
+        unset "$name"
+    done
+    export PATH=/usr/bin:/bin:/usr/sbin:/sbin
+    export PYTHONNOUSERSITE=1  # compiled packages of the home folder are for another Python
+    export LANG=C.UTF-8 LC_ALL=C.UTF-8  # the only locale inside
+    # MPI within this machine alone: shared memory, no search for fast networks and their warnings.
+    export OMPI_MCA_pml=${OMPI_MCA_pml:-ob1} OMPI_MCA_btl=${OMPI_MCA_btl:-self,sm}
+    export PRTE_MCA_rmaps_default_mapping_policy=${PRTE_MCA_rmaps_default_mapping_policy:-:oversubscribe}
+    set_common_variables
+}

@@ -1,0 +1,203 @@
+# shellcheck shell=bash
+# Making the Debian 13 root file system: mmdebstrap, the package list, the machine's own mirror.
+# Sourced by scripts/env.
+: "${checkout:?}"
+
+suite=trixie
+recipe=1  # raise it when run_mmdebstrap makes something else of the same list
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/bilayer-shells
+
+packages() {
+    sed -E 's/#.*//; s/[[:space:]]+//g; /^$/d' "$checkout/docker/apt-packages.txt" | sort -u
+}
+
+root_folder() {
+    local key
+    key=$({ echo "$suite $recipe $(uname -m)"; packages; } | sha256sum | cut -c1-12)
+    echo "$cache/root-$key"
+}
+
+# The folder gets its name when it is whole, so its being there is enough.
+root_is_built() {
+    [[ -d $(root_folder) ]]
+}
+
+# One process builds at a time, holding the lock; whoever waited finds the root built.
+build_root() {  # "yes": make a new one even so
+    local rebuild=$1 lock
+    need_tools
+    mkdir -p "$cache"
+    exec {lock}>"$cache/lock"
+    if ! flock --nonblock "$lock"; then
+        echo "scripts/env: another start is making the environment, waiting for it" >&2
+        flock "$lock"
+    fi
+    if [[ -n $rebuild ]] || ! root_is_built; then
+        build_root_locked "$(root_folder)"
+    fi
+    exec {lock}>&-
+}
+
+build_root_locked() {  # root
+    local root=$1 partial=$1.partial log=$cache/build.log screen progress builder
+    clear_remains
+    echo "scripts/env: making a Debian 13 environment in $root (once, a few minutes)" >&2
+    exec {screen}> >(show_progress "$log")
+    progress=$!
+    start_mmdebstrap "$partial" >&"$screen" 2>&1 {screen}>&- &
+    builder=$!
+    exec {screen}>&-
+    # shellcheck disable=SC2064
+    trap "kill -KILL $builder; exit 130" INT
+    # shellcheck disable=SC2064
+    trap "kill -KILL $builder; exit 143" TERM HUP
+    trap clear_remains EXIT
+    wait "$builder" || fail 1 "making the environment failed: $(last_error "$log") (all of it: $log)"
+    wait "$progress"
+    sync --file-system "$partial"
+    [[ ! -e $root ]] || mv --no-target-directory "$root" "$root.old.partial"
+    mv --no-target-directory "$partial" "$root"
+    trap - INT TERM HUP EXIT
+    clear_remains
+    remove_other_roots "$root"
+    rm -rf "$cache/packages" "$log"
+    echo "scripts/env: the environment is ready ($(du -sh "$root" 2>/dev/null | cut -f1), ${SECONDS} s)" >&2
+}
+
+# Under the lock, a temporary name is the remains of a broken build: what it downloaded is kept.
+clear_remains() {
+    local partial
+    for partial in "$cache"/root-*.partial; do
+        [[ -d $partial ]] || continue
+        mkdir -p "$cache/packages"
+        find "$partial/var/cache/apt/archives" -maxdepth 1 -name '*.deb' \
+            -exec mv --target-directory="$cache/packages" {} + 2>/dev/null || true
+        rm -rf --one-file-system "$partial" 2>/dev/null ||
+            { sleep 1 && rm -rf --one-file-system "$partial"; }  # a process just killed may still write
+    done
+}
+
+# Every command started in a root holds a shared lock on it: a root in use stays until next time.
+remove_other_roots() {  # the root to keep
+    local root
+    for root in "$cache"/root-*; do
+        [[ $root == "$1" ]] || flock --exclusive --nonblock "$root" rm -rf --one-file-system "$root" || true
+    done
+}
+
+# Runs as the process that it replaces. As root, mmdebstrap gets its own mounts and process ids, so
+# that killing it leaves neither mounts nor processes, and dies with the start that it belongs to.
+start_mmdebstrap() {  # folder to make
+    local folder=$1 alone=() sources
+    mapfile -t sources < <(debian_sources)
+    if ((UID == 0)); then
+        alone=(setpriv --pdeathsig KILL unshare --mount --pid --mount-proc --fork --kill-child)
+    fi
+    # shellcheck disable=SC2016
+    exec "${alone[@]}" mmdebstrap --verbose --variant=apt --format=directory \
+        --include="$(packages | paste -sd,)" \
+        --aptopt="$(apt_settings)" \
+        --setup-hook='mkdir -p "$1/var/cache/apt/archives"' \
+        --setup-hook="find '$cache/packages' -name '*.deb' -exec cp --target-directory=\"\$1/var/cache/apt/archives\" {} + 2>/dev/null || true" \
+        --customize-hook='rm -f "$1"/var/cache/apt/archives/*.deb "$1"/etc/apt/apt.conf.d/99mmdebstrap' \
+        --customize-hook='cd "$1/etc" && rm -f localtime && touch localtime pip.conf hosts hostname resolv.conf' \
+        "$suite" "$folder" "${sources[@]}" </dev/null
+}
+
+# One line of apt's for each suite of Debian 13 that the machine has the counterpart of, from the same
+# mirror; nothing where the machine has no Debian mirror: mmdebstrap then takes its own default.
+debian_sources() {
+    local uri index _ suite_here suite_there signed=
+    local keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+    [[ ! -e $keyring ]] || signed="[signed-by=$keyring] "
+    while read -r uri index _; do
+        [[ $uri == *:*/dists/*/InRelease\' ]] || continue
+        is_debian "$uri" "$index" || continue
+        suite_here=${uri##*/dists/} suite_here=${suite_here%/InRelease\'}
+        uri=${uri%%/dists/*} uri=${uri#\'}
+        case $suite_here in
+            *-backports* | *-proposed-updates | experimental) continue ;;
+            *-security | */updates) suite_there=$suite-security ;;
+            *-updates) suite_there=$suite-updates ;;
+            *) suite_there=$suite ;;
+        esac
+        echo "deb $signed$uri $suite_there main"
+    done < <(apt-get update --print-uris 2>/dev/null) | sort -u
+}
+
+# As the mirror's own index says; by its address where apt has not fetched the index yet.
+is_debian() {  # address, name of the index
+    local release=/var/lib/apt/lists/$2
+    if [[ -r $release ]]; then
+        grep -q '^Origin: Debian$' "$release"
+    else
+        [[ $1 == */debian/dists/* || $1 == */debian-security/dists/* ]] && [[ $1 != */linux/debian/* ]]
+    fi
+}
+
+# How the machine's own apt reaches its mirrors: proxies, certificates, passwords, retries, dates.
+apt_settings() {
+    apt-config dump --format '%f "%v";%n' Acquire 2>/dev/null |
+        grep -E '^Acquire::(https?::.*|Retries|Check-Date|Check-Valid-Until|ForceIPv[46]) ".+";$' || true
+    echo 'Dir::Etc::netrc "/etc/apt/auth.conf"; Dir::Etc::netrcparts "/etc/apt/auth.conf.d";'
+}
+
+need_tools() {
+    local missing=()
+    command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
+    command -v bwrap >/dev/null || missing+=(bubblewrap)
+    if ((${#missing[@]} > 0)); then
+        if ((UID != 0)) || ! command -v apt-get >/dev/null; then
+            fail 1 "no dolfinx in the python3 here, and no ${missing[*]} to make an environment with; install them: apt-get install ${missing[*]}"
+        fi
+        echo "scripts/env: installing ${missing[*]}" >&2
+        apt_install "${missing[@]}" || fail 1 "could not install ${missing[*]}; try: apt-get install ${missing[*]}"
+    fi
+    bwrap --dev-bind / / true 2>/dev/null ||
+        fail 1 "bubblewrap may not make mounts here (in a container?); use Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
+}
+
+apt_install() {
+    local -a install=(apt-get install --yes --quiet --quiet --no-install-recommends "$@")
+    export DEBIAN_FRONTEND=noninteractive
+    "${install[@]}" >/dev/null 2>&1 || { apt-get update --quiet --quiet && "${install[@]}"; } >/dev/null
+}
+
+last_error() {  # log
+    grep -E '^(E|dpkg): ' "$1" | grep -v 'E: setup failed\|E: run_progress' | tail -n 1 | grep . || tail -n 1 "$1"
+}
+
+# mmdebstrap's and apt's many lines: all of them into the log, and on the screen where it stands.
+show_progress() {  # log
+    local line total='?'
+    local -A count=()
+    while IFS= read -r line; do
+        printf '%s\n' "$line" >&3
+        case $line in
+            *" newly installed, "*) total=${line#*, } total=${total%% newly*} count=() ;;
+            "I: running apt-get update"*) show_stage "reading the package index" ;;
+            Get:*" Packages "* | Get:*" InRelease "*) ;;
+            Get:*) show_count downloading ;;
+            Unpacking*) show_count unpacking ;;
+            "Setting up"*) show_count "setting up" ;;
+            "I: cleaning package lists"*) show_stage "cleaning up" ;;
+        esac
+    done 3>"$1"
+    [[ ! -t 2 ]] || printf '\r\033[K' >&2
+}
+
+show_stage() {  # what is being done
+    if [[ -t 2 ]]; then
+        printf '\r\033[K%s (%s s)' "$1" "$SECONDS" >&2
+    else
+        echo "scripts/env: $1 (${SECONDS} s)" >&2
+    fi
+}
+
+# One line that changes on a terminal; else a line for the first and every hundredth package.
+show_count() {  # what is being done to one more package; uses the caller's count and total
+    count[$1]=$((${count[$1]:-0} + 1))
+    if [[ -t 2 ]] || ((count[$1] % 100 == 1)); then
+        show_stage "$1 packages: ${count[$1]} of $total"
+    fi
+}
