@@ -1,0 +1,13 @@
+"""What can go wrong, in two kinds: the input is bad, or the computation failed."""
+
+
+class BilayerError(Exception):
+    """Base of every error that this project raises on purpose; its text is one line."""
+
+
+class InputError(BilayerError, ValueError):
+    """Bad input: the text names the field, its value and what was expected."""
+
+
+class ComputationError(BilayerError, RuntimeError):
+    """A computation or the writing of its result failed; the text says where and why."""

@@ -1,0 +1,166 @@
+"""The planar mesh that both solvers share: points, triangles, and which of them carry kirigami.
+
+The shell uses it as it is, the finite-element model extrudes it, so that two results differ by
+their models and not by their meshes.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+
+BARE, KIRIGAMI = 0, 1
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarMesh:
+    """A triangulation of the bonded flat disc.
+
+    Parameters
+    ----------
+    points : (n, 2) array of float
+        Node coordinates in the bonded flat state, m.
+    triangles : (m, 3) array of int
+        Nodes of each triangle, counterclockwise.
+    region : (m,) array of int
+        `KIRIGAMI` (1) where the kirigami layer covers the triangle, `BARE` (0) in the cutouts.
+
+    Raises
+    ------
+    InputError
+        Shapes or indices do not fit, a triangle is flat or clockwise, or a node has no triangle.
+    """
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    region: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name, kind in (("points", np.float64), ("triangles", np.int64), ("region", np.int64)):
+            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=kind))
+        self._check_shapes()
+        used = np.unique(self.triangles)
+        if len(used) != len(self.points) or (len(used) and used[0] != 0):
+            raise InputError(
+                f"triangles use {len(used)} of {len(self.points)} points: expected all of them"
+            )
+        if np.any(self.areas <= 0):
+            worst = int(np.argmin(self.areas))
+            raise InputError(
+                f"triangle {worst} has area {self.areas[worst]:.3g} m2: expected more than 0 "
+                "(counterclockwise nodes)"
+            )
+
+    def _check_shapes(self) -> None:
+        expected = {
+            "points": (self.points, (len(self.points), 2)),
+            "triangles": (self.triangles, (len(self.triangles), 3)),
+            "region": (self.region, (len(self.triangles),)),
+        }
+        for name, (array, shape) in expected.items():
+            if array.shape != shape or 0 in shape:
+                raise InputError(f"{name} has shape {array.shape}: expected {shape}, not empty")
+        if not np.all(np.isfinite(self.points)):
+            raise InputError("points are not all finite numbers: expected coordinates in m")
+        if self.triangles.min() < 0 or self.triangles.max() >= len(self.points):
+            raise InputError(f"triangles name a node outside 0..{len(self.points) - 1}")
+        if not np.all(np.isin(self.region, (BARE, KIRIGAMI))):
+            raise InputError(f"region has values {np.unique(self.region)}: expected 0 and 1")
+
+    @cached_property
+    def areas(self) -> NDArray[np.float64]:
+        """Signed area of each triangle, m2, shape (m,)."""
+        a, b, c = np.moveaxis(self.points[self.triangles], 1, 0)
+        return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """Each edge once, as ascending node pairs in ascending order, shape (e, 2)."""
+        return np.unique(self._corner_pairs, axis=0)
+
+    @cached_property
+    def boundary_edges(self) -> NDArray[np.int64]:
+        """Edges that belong to a single triangle, shape (b, 2)."""
+        edges, count = np.unique(self._corner_pairs, axis=0, return_counts=True)
+        return edges[count == 1]
+
+    @cached_property
+    def rim_nodes(self) -> NDArray[np.int64]:
+        """Nodes on the boundary, ascending."""
+        return np.unique(self.boundary_edges)
+
+    @cached_property
+    def kirigami_nodes(self) -> NDArray[np.bool_]:
+        """True for nodes of at least one kirigami triangle, shape (n,)."""
+        covered = np.zeros(len(self.points), dtype=bool)
+        covered[self.triangles[self.region == KIRIGAMI]] = True
+        return covered
+
+    @cached_property
+    def centre_node(self) -> int:
+        """The node nearest to the origin."""
+        return int(np.argmin(np.einsum("ij,ij->i", self.points, self.points)))
+
+    @property
+    def _corner_pairs(self) -> NDArray[np.int64]:
+        t = self.triangles
+        return np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+
+    def same_as(self, other: "PlanarMesh") -> bool:
+        """Whether the other mesh has the same nodes, triangles and regions (points to 1e-12 m)."""
+        return (
+            self.points.shape == other.points.shape
+            and np.array_equal(self.triangles, other.triangles)
+            and np.array_equal(self.region, other.region)
+            and np.allclose(self.points, other.points, rtol=0.0, atol=1e-12)
+        )
+
+
+def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
+    """Write the mesh in any format that meshio writes, chosen by the file's ending.
+
+    The region is the cell data `region` (and, in gmsh's formats, the physical tag).
+    """
+    cells = [("triangle", mesh.triangles)]
+    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    is_gmsh = Path(path).suffix == ".msh"
+    names = ["gmsh:physical", "gmsh:geometrical"] if is_gmsh else ["region"]
+    data = {name: [mesh.region.astype(np.int32)] for name in names}
+    # gmsh's older format keeps a tag per triangle and so our order of them; the newer sorts by tag
+    file_format = "gmsh22" if is_gmsh else None
+    try:
+        meshio.Mesh(points, cells, cell_data=data).write(path, file_format=file_format)
+    except (meshio.WriteError, OSError, KeyError, SystemExit) as error:
+        raise InputError(f"mesh file {path}: cannot be written ({error})") from error
+
+
+def read_planar_mesh(path: str | Path) -> PlanarMesh:
+    """Read a mesh in any format that meshio reads; without a region every triangle is kirigami.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, holds no triangles, or they make no valid planar mesh.
+    """
+    try:
+        data = meshio.read(path)
+    except (meshio.ReadError, OSError, KeyError, ValueError, SystemExit) as error:
+        raise InputError(f"mesh file {path}: cannot be read ({error})") from error
+    triangles = data.get_cells_type("triangle")
+    if len(triangles) == 0:
+        raise InputError(f"mesh file {path}: holds no triangles, expected a planar mesh of them")
+    region = next(
+        (
+            data.get_cell_data(name, "triangle")
+            for name in ("region", "gmsh:physical")
+            if name in data.cell_data
+        ),
+        np.full(len(triangles), KIRIGAMI),
+    )
+    used, renumbered = np.unique(triangles, return_inverse=True)
+    return PlanarMesh(data.points[used, :2], renumbered.reshape(-1, 3), region)

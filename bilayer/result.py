@@ -1,0 +1,361 @@
+"""A result: one xarray dataset for both solvers, written as NetCDF, and nothing else between them.
+
+Dimensions `prestretch` (the milestones), `node`, `face`, `xyz`. `position` is the bonded
+interface on the nodes of the planar mesh. Milestones that were not reached are NaN with
+`converged` = 0; the attribute `stop_reason` says why, and `last_position` holds the last shape
+computed on the way to each, at the prestretch `last_prestretch`.
+"""
+
+import math
+import os
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.errors import ComputationError, InputError
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.settings import settings_to_toml
+from bilayer.shape import ShapeMeasures, measure_shape
+from bilayer.specimen import Specimen
+from bilayer.specimen_file import parse_specimen, specimen_to_toml
+
+SCHEMA_VERSION = 1
+FORMAT = "bilayer-shells result"
+UNKNOWN_STABILITY = -1
+
+
+@dataclass(frozen=True)
+class MilestoneState:
+    """What a solver found at one milestone.
+
+    Parameters
+    ----------
+    position : (n, 3) array of float
+        The bonded interface, m: the equilibrium where `converged`, else the last shape computed.
+    converged : bool
+        Whether the milestone was reached.
+    reached : float
+        The prestretch of `position`: the milestone's, or where the run stopped.
+    energy : mapping of str to float
+        Energy terms, J.
+    iterations : int
+        Newton iterations, each with one factorisation, spent on this milestone.
+    load_steps : int
+        Load or time steps spent on this milestone.
+    residual : float
+        Final residual norm, relative to the solver's own reference.
+    wall_time : float
+        Seconds spent on this milestone.
+    unstable_modes : int
+        Number of unstable modes; -1 where the method cannot tell.
+    """
+
+    position: NDArray[np.float64]
+    converged: bool
+    reached: float
+    energy: Mapping[str, float] = field(default_factory=dict)
+    iterations: int = 0
+    load_steps: int = 0
+    residual: float = math.nan
+    wall_time: float = math.nan
+    unstable_modes: int = UNKNOWN_STABILITY
+
+
+def build_result(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    states: Sequence[MilestoneState],
+    *,
+    solver: str,
+    model: str,
+    settings: Any,
+    versions: Mapping[str, str],
+    stop_reason: str = "",
+    extra: xr.Dataset | None = None,
+) -> xr.Dataset:
+    """Assemble the dataset of one run.
+
+    Parameters
+    ----------
+    specimen, mesh
+        What was solved, on which planar mesh.
+    states : sequence of MilestoneState
+        One per milestone of the specimen, in its order; fewer where the run stopped early.
+    solver, model : str
+        Names as in `bilayer.solvers`.
+    settings : settings dataclass
+        Kept as TOML text.
+    versions : mapping
+        Versions of the packages that computed it.
+    stop_reason : str
+        Why milestones are missing, in one line.
+    extra : Dataset, optional
+        Further variables of the solver (volume fields), merged in.
+
+    Returns
+    -------
+    Dataset
+        With the names of the schema, units and CF/UGRID attributes.
+    """
+    milestones = specimen.prestretch.milestones
+    waiting = MilestoneState(np.full((len(mesh.points), 3), np.nan), False, math.nan)
+    rows = [*states, *[waiting] * (len(milestones) - len(states))]
+    result = xr.Dataset(
+        {
+            **_planar_variables(mesh),
+            **_position_variables(rows),
+            **_measure_variables(mesh, rows),
+            **_count_variables(rows),
+        },
+        coords=_coordinates(specimen),
+        attrs={
+            "Conventions": "CF-1.11 UGRID-1.0",
+            "title": f"Released shape of the bilayer {specimen.name!r}",
+            "format": FORMAT,
+            "schema_version": SCHEMA_VERSION,
+            "solver": solver,
+            "model": model,
+            "specimen": specimen_to_toml(specimen),
+            "settings": settings_to_toml(settings),
+            "versions": ", ".join(f"{k} {v}" for k, v in {**own_versions(), **versions}.items()),
+            "git_commit": git_commit(),
+            "stop_reason": stop_reason,
+        },
+    )
+    return result if extra is None else result.merge(extra)
+
+
+def write_result(result: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset as NetCDF, whole or not at all: under another name first, then renamed.
+
+    Raises
+    ------
+    InputError
+        The folder does not exist or cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk; an earlier file of that name stays as it was.
+    """
+    target = Path(path)
+    check_writable(target)
+    partial = target.with_name(f"{target.name}.{os.getpid()}.partial")
+    packed = {
+        name: {"zlib": True, "complevel": 4}
+        for name, variable in result.variables.items()
+        if variable.dtype.kind == "f" and variable.ndim > 1
+    }
+    try:
+        result.to_netcdf(partial, engine="netcdf4", encoding=packed)
+        partial.replace(target)
+    except (OSError, RuntimeError) as error:
+        raise ComputationError(f"result file {target}: cannot be written ({error})") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def check_writable(path: Path) -> None:
+    """Raise InputError unless a file can be made in the folder of `path`."""
+    folder = path.parent
+    if not folder.is_dir():
+        raise InputError(f"output file {path}: the folder {folder} does not exist")
+    if path.is_dir():
+        raise InputError(f"output file {path}: is a folder, expected a file name")
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"output file {path}: the folder {folder} cannot be written to")
+
+
+def open_result(path: str | Path) -> xr.Dataset:
+    """Read a result into memory.
+
+    Raises
+    ------
+    InputError
+        The file is missing, is no dataset of this project, or has a newer schema.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as stored:
+            result = stored.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        reason = "no such file" if not Path(path).exists() else "not a NetCDF file"
+        raise InputError(f"result file {path}: cannot be read ({reason})") from error
+    if result.attrs.get("format") != FORMAT:
+        raise InputError(
+            f"result file {path}: format = {result.attrs.get('format')!r}, expected {FORMAT!r}"
+        )
+    if result.attrs["schema_version"] > SCHEMA_VERSION:
+        raise InputError(
+            f"result file {path}: schema_version = {result.attrs['schema_version']}, "
+            f"expected at most {SCHEMA_VERSION}: made by a newer version of this package"
+        )
+    return result
+
+
+def result_specimen(result: xr.Dataset) -> Specimen:
+    """Return the specimen that a result was computed for."""
+    return parse_specimen(result.attrs["specimen"], source="the result's specimen")
+
+
+def result_mesh(result: xr.Dataset) -> PlanarMesh:
+    """Return the planar mesh that a result was computed on."""
+    return PlanarMesh(
+        result["reference_position"].values[:, :2],
+        result["face_nodes"].values,
+        result["region"].values,
+    )
+
+
+def own_versions() -> dict[str, str]:
+    """Versions of this package and of those that every result needs."""
+    found = {"numpy": np.__version__, "xarray": xr.__version__}
+    try:
+        return {"bilayer-shells": version("bilayer-shells"), **found}
+    except PackageNotFoundError:  # run from a checkout
+        return {"bilayer-shells": "checkout", **found}
+
+
+def git_commit() -> str:
+    """Return the commit of the checkout that holds this package, or an empty text."""
+    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return found.stdout.strip()
+
+
+def _coordinates(specimen: Specimen) -> dict[str, Any]:
+    pairs = np.array(specimen.prestretch.milestones)
+    note = "stretch of the substrate when it is bonded"
+    return {
+        "prestretch": (
+            "prestretch",
+            np.array(specimen.prestretch.nominal),
+            {"units": "1", "long_name": f"{note}, the larger of the two directions"},
+        ),
+        "prestretch_x": (
+            "prestretch",
+            pairs[:, 0],
+            {"units": "1", "long_name": f"{note}, along x"},
+        ),
+        "prestretch_y": (
+            "prestretch",
+            pairs[:, 1],
+            {"units": "1", "long_name": f"{note}, along y"},
+        ),
+        "xyz": ("xyz", ["x", "y", "z"]),
+    }
+
+
+def _planar_variables(mesh: PlanarMesh) -> dict[str, Any]:
+    flat = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    return {
+        "midsurface": (
+            (),
+            np.int32(0),
+            {
+                "cf_role": "mesh_topology",
+                "topology_dimension": np.int32(2),
+                "node_coordinates": "reference_x reference_y",
+                "face_node_connectivity": "face_nodes",
+                "long_name": "the bonded interface as a triangle mesh",
+            },
+        ),
+        "reference_x": ("node", mesh.points[:, 0], _metres("x of the flat bonded interface")),
+        "reference_y": ("node", mesh.points[:, 1], _metres("y of the flat bonded interface")),
+        "reference_position": (("node", "xyz"), flat, _metres("flat bonded interface")),
+        "face_nodes": (
+            ("face", "corner"),
+            mesh.triangles.astype(np.int32),
+            {"cf_role": "face_node_connectivity", "start_index": np.int32(0)},
+        ),
+        "region": (
+            "face",
+            mesh.region.astype(np.int32),
+            {
+                "long_name": "layers of the face",
+                "flag_values": np.array([0, 1], dtype=np.int32),
+                "flag_meanings": "bare kirigami",
+                "mesh": "midsurface",
+                "location": "face",
+            },
+        ),
+    }
+
+
+def _position_variables(rows: Sequence[MilestoneState]) -> dict[str, Any]:
+    dims = ("prestretch", "node", "xyz")
+    on_nodes = {"mesh": "midsurface", "location": "node"}
+    nowhere = np.full_like(rows[0].position, np.nan)
+    reached = np.array([row.position if row.converged else nowhere for row in rows])
+    variables: dict[str, Any] = {
+        "position": (dims, reached, _metres("released bonded interface") | on_nodes)
+    }
+    if not all(row.converged for row in rows):
+        last = np.array([nowhere if row.converged else row.position for row in rows])
+        at = np.array([math.nan if row.converged else row.reached for row in rows])
+        note = "last shape computed on the way to a milestone that was not reached"
+        variables["last_position"] = (dims, last, _metres(note) | on_nodes)
+        variables["last_prestretch"] = (
+            "prestretch", at, {"units": "1", "long_name": "prestretch of last_position"},
+        )  # fmt: skip
+    return variables
+
+
+def _measure_variables(mesh: PlanarMesh, rows: Sequence[MilestoneState]) -> dict[str, Any]:
+    measures = [
+        measure_shape(mesh, row.position) if row.converged else ShapeMeasures.undefined()
+        for row in rows
+    ]
+
+    def column(name: str) -> NDArray[np.float64]:
+        return np.array([getattr(measure, name) for measure in measures])
+
+    one = {"units": "1"}
+    return {
+        "quality": ("prestretch", column("quality"),
+                    one | {"long_name": "distance from a hemisphere: 0 hemisphere, 1 flat"}),
+        "sphere_radius": ("prestretch", column("sphere_radius"), _metres("radius of best sphere")),
+        "sphere_rmse": ("prestretch", column("sphere_rmse"), _metres("rms distance to that sphere")),
+        "hemisphere_distance": (
+            "prestretch", column("hemisphere_distance"),
+            one | {"long_name": "distance to the hemisphere of equal meridian, over the flat disc's"},
+        ),
+        "span": (("prestretch", "xyz"), column("span"), _metres("extent in the body frame")),
+        "height": ("prestretch", column("height"), _metres("extent along the body's axis")),
+    }  # fmt: skip
+
+
+def _count_variables(rows: Sequence[MilestoneState]) -> dict[str, Any]:
+    terms = list(dict.fromkeys(term for row in rows for term in row.energy))
+    energy = np.array([[row.energy.get(term, math.nan) for term in terms] for row in rows])
+
+    def column(name: str, kind: type) -> Any:
+        return np.array([getattr(row, name) for row in rows], dtype=kind)
+
+    return {
+        "energy": (("prestretch", "term"), energy.reshape(len(rows), len(terms)),
+                   {"units": "J", "long_name": "energy by term"}),
+        "term": ("term", np.array(terms, dtype=object)),
+        "iterations": ("prestretch", column("iterations", np.int32),
+                       {"long_name": "Newton iterations"}),
+        "load_steps": ("prestretch", column("load_steps", np.int32),
+                       {"long_name": "load or time steps"}),
+        "residual": ("prestretch", column("residual", float),
+                     {"units": "1", "long_name": "final relative residual"}),
+        "unstable_modes": ("prestretch", column("unstable_modes", np.int32),
+                           {"long_name": "number of unstable modes, -1 unknown"}),
+        "converged": ("prestretch", column("converged", np.int32),
+                      {"long_name": "whether the milestone was reached"}),
+        "wall_time": ("prestretch", column("wall_time", float),
+                      {"units": "s", "long_name": "time spent"}),
+    }  # fmt: skip
+
+
+def _metres(long_name: str) -> dict[str, str]:
+    return {"units": "m", "long_name": long_name}

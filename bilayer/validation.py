@@ -1,0 +1,60 @@
+"""Checks on single values; each names the field, the value and what was expected."""
+
+import math
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+from bilayer.errors import InputError
+
+
+def finite(field: str, value: Any) -> float:
+    """Return `value` as a float; raise InputError unless it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError(f"{field} = {value!r}: expected a number")
+    if not math.isfinite(value):
+        raise InputError(f"{field} = {value}: expected a finite number")
+    return float(value)
+
+
+def positive(field: str, value: Any, unit: str = "") -> float:
+    """Return `value` as a float; raise InputError unless it is finite and greater than zero."""
+    number = finite(field, value)
+    if number <= 0:
+        raise InputError(f"{field} = {_quantity(value, unit)}: expected a number greater than 0")
+    return number
+
+
+def not_negative(field: str, value: Any, unit: str = "") -> float:
+    """Return `value` as a float; raise InputError unless it is finite and at least zero."""
+    number = finite(field, value)
+    if number < 0:
+        raise InputError(f"{field} = {_quantity(value, unit)}: expected a number of at least 0")
+    return number
+
+
+def whole(field: str, value: Any, at_least: int) -> int:
+    """Return `value` as an int; raise InputError unless it is a whole number >= `at_least`."""
+    number = finite(field, value)
+    if number != int(number) or number < at_least:
+        raise InputError(f"{field} = {value}: expected a whole number of at least {at_least}")
+    return int(number)
+
+
+def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
+    """Return `value`; raise InputError, with the nearest choice, unless it is one of `choices`."""
+    known = list(choices)
+    if value not in known:
+        listed = ", ".join(repr(choice) for choice in known)
+        raise InputError(f"{field} = {value!r}: expected one of {listed}{nearest(value, known)}")
+    return str(value)
+
+
+def nearest(name: Any, known: Iterable[str]) -> str:
+    """Return "; did you mean 'x'?" with the known name closest to `name`, or an empty text."""
+    match = get_close_matches(str(name), list(known), n=1, cutoff=0.5)
+    return f"; did you mean {match[0]!r}?" if match else ""
+
+
+def _quantity(value: Any, unit: str) -> str:
+    return f"{value} {unit}".rstrip()
