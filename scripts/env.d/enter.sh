@@ -8,19 +8,21 @@
 # exit status is ours.
 enter_root() {  # root, command...
     local root=$1 here=$PWD holder lock view=()
-    local -a nsenter=(nsenter --mount)
+    local -a join
     shift
-    ((UID == 0)) || nsenter+=(--user --preserve-credentials)
+    need_command bwrap bubblewrap
+    join=("$(type -P nsenter)" --mount)
+    ((UID == 0)) || join+=(--user --preserve-credentials)
     exec {lock}<"$root"
     flock --shared "$lock"  # inherited by COMMAND: its root is not removed while it runs
-    set_root_variables
     mapfile -d '' -t view < <(view_of "$root")
     # shellcheck disable=SC2016
     read -r holder < <(bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- &) ||
         fail 1 "bubblewrap could not enter $root"
     wait $!
+    set_root_variables
     # shellcheck disable=SC2016
-    exec "${nsenter[@]}" --target "$holder" /bin/sh -c '
+    exec "${join[@]}" --target "$holder" /bin/sh -c '
         kill "$1"
         cd -- "$2" || exit 1
         shift 2

@@ -22,24 +22,31 @@ root_is_built() {
     [[ -d $(root_folder) ]]
 }
 
-# One process builds at a time, holding the lock; whoever waited finds the root built.
-build_root() {  # "yes": make a new one even so
-    local rebuild=$1 lock
-    need_tools
+# One process builds at a time, holding the lock.
+with_build_lock() {  # command...
+    local lock
+    need_command bwrap bubblewrap
+    need_command mmdebstrap mmdebstrap
+    bwrap --dev-bind / / true >/dev/null 2>&1 ||
+        fail 1 "bubblewrap may not make mounts here (in a container?); take Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
     mkdir -p "$cache"
     exec {lock}>"$cache/lock"
     if ! flock --nonblock "$lock"; then
         echo "scripts/env: another start is making the environment, waiting for it" >&2
         flock "$lock"
     fi
-    if [[ -n $rebuild ]] || ! root_is_built; then
-        build_root_locked "$(root_folder)"
-    fi
+    "$@"
     exec {lock}>&-
 }
 
-build_root_locked() {  # root
-    local root=$1 partial=$1.partial log=$cache/build.log screen progress builder
+build_root_unless_built() {
+    root_is_built || build_root
+}
+
+build_root() {
+    local root partial log=$cache/build.log screen progress builder
+    root=$(root_folder)
+    partial=$root.partial
     clear_remains
     echo "scripts/env: making a Debian 13 environment in $root (once, a few minutes)" >&2
     exec {screen}> >(show_progress "$log")
@@ -48,14 +55,14 @@ build_root_locked() {  # root
     builder=$!
     exec {screen}>&-
     # shellcheck disable=SC2064
-    trap "kill -KILL $builder; exit 130" INT
+    trap "kill -KILL $builder; wait $builder 2>/dev/null; exit 130" INT
     # shellcheck disable=SC2064
-    trap "kill -KILL $builder; exit 143" TERM HUP
+    trap "kill -KILL $builder; wait $builder 2>/dev/null; exit 143" TERM HUP
     trap clear_remains EXIT
     wait "$builder" || fail 1 "making the environment failed: $(last_error "$log") (all of it: $log)"
     wait "$progress"
     sync --file-system "$partial"
-    [[ ! -e $root ]] || mv --no-target-directory "$root" "$root.old.partial"
+    [[ ! -e $root ]] || mv --no-target-directory "$root" "$root.old-$$.partial"
     mv --no-target-directory "$partial" "$root"
     trap - INT TERM HUP EXIT
     clear_remains
@@ -72,17 +79,21 @@ clear_remains() {
         mkdir -p "$cache/packages"
         find "$partial/var/cache/apt/archives" -maxdepth 1 -name '*.deb' \
             -exec mv --target-directory="$cache/packages" {} + 2>/dev/null || true
-        rm -rf --one-file-system "$partial" 2>/dev/null ||
-            { sleep 1 && rm -rf --one-file-system "$partial"; }  # a process just killed may still write
+        remove_unless_in_use "$partial" || { sleep 1 && remove_unless_in_use "$partial"; } || true
     done
 }
 
-# Every command started in a root holds a shared lock on it: a root in use stays until next time.
 remove_other_roots() {  # the root to keep
     local root
     for root in "$cache"/root-*; do
-        [[ $root == "$1" ]] || flock --exclusive --nonblock "$root" rm -rf --one-file-system "$root" || true
+        [[ $root == "$1" ]] || remove_unless_in_use "$root" || true
     done
+}
+
+# Every command started in a root holds a shared lock on it; what is in use goes another time. It also
+# fails where a process that was just killed still writes.
+remove_unless_in_use() {  # folder
+    flock --exclusive --nonblock "$1" rm -rf --one-file-system "$1" 2>/dev/null
 }
 
 # Runs as the process that it replaces. As root, mmdebstrap gets its own mounts and process ids, so
@@ -98,7 +109,7 @@ start_mmdebstrap() {  # folder to make
         --include="$(packages | paste -sd,)" \
         --aptopt="$(apt_settings)" \
         --setup-hook='mkdir -p "$1/var/cache/apt/archives"' \
-        --setup-hook="find '$cache/packages' -name '*.deb' -exec cp --target-directory=\"\$1/var/cache/apt/archives\" {} + 2>/dev/null || true" \
+        --setup-hook="find ${cache@Q}/packages -name '*.deb' -exec cp --target-directory=\"\$1/var/cache/apt/archives\" {} + 2>/dev/null || true" \
         --customize-hook='rm -f "$1"/var/cache/apt/archives/*.deb "$1"/etc/apt/apt.conf.d/99mmdebstrap' \
         --customize-hook='cd "$1/etc" && rm -f localtime && touch localtime pip.conf hosts hostname resolv.conf' \
         "$suite" "$folder" "${sources[@]}" </dev/null
@@ -142,19 +153,14 @@ apt_settings() {
     echo 'Dir::Etc::netrc "/etc/apt/auth.conf"; Dir::Etc::netrcparts "/etc/apt/auth.conf.d";'
 }
 
-need_tools() {
-    local missing=()
-    command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
-    command -v bwrap >/dev/null || missing+=(bubblewrap)
-    if ((${#missing[@]} > 0)); then
-        if ((UID != 0)) || ! command -v apt-get >/dev/null; then
-            fail 1 "no dolfinx in the python3 here, and no ${missing[*]} to make an environment with; install them: apt-get install ${missing[*]}"
-        fi
-        echo "scripts/env: installing ${missing[*]}" >&2
-        apt_install "${missing[@]}" || fail 1 "could not install ${missing[*]}; try: apt-get install ${missing[*]}"
+# The only packages of the machine that are ever touched: one that is missing is installed where that is ours to do.
+need_command() {  # command, its package
+    ! command -v "$1" >/dev/null || return 0
+    if ((UID != 0)) || ! command -v apt-get >/dev/null; then
+        fail 1 "$2 is missing, which the environment with dolfinx needs here; install it: apt-get install $2"
     fi
-    bwrap --dev-bind / / true 2>/dev/null ||
-        fail 1 "bubblewrap may not make mounts here (in a container?); use Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
+    echo "scripts/env: installing $2" >&2
+    apt_install "$2" || fail 1 "$2 could not be installed; try it by hand: apt-get install $2"
 }
 
 apt_install() {
