@@ -39,9 +39,10 @@ class MooneyRivlin:
             raise InputError(
                 f"c10 + c01 = {self.c10 + self.c01} Pa: expected more than 0 (it is half of mu)"
             )
-        if self.poisson_ratio < 0:
+        largest = 3 / self.shear_modulus
+        if self.d1 > largest * (1 + 1e-12):
             raise InputError(
-                f"d1 = {self.d1} 1/Pa: expected at most {1.5 / self.shear_modulus:.6g} 1/Pa, "
+                f"d1 = {self.d1} 1/Pa: expected at most {largest:.6g} 1/Pa, "
                 "which is a Poisson ratio of 0"
             )
 
@@ -79,7 +80,7 @@ class MooneyRivlin:
     def poisson_ratio(self) -> float:
         """Small-strain Poisson ratio."""
         ratio = self.shear_modulus * self.d1 / 2  # mu / K
-        return (3 - 2 * ratio) / (6 + 2 * ratio)
+        return max(0.0, (3 - 2 * ratio) / (6 + 2 * ratio))
 
     @property
     def young_modulus(self) -> float:

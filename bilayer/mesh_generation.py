@@ -7,6 +7,7 @@ node, because it is the one that the paper's method holds.
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ BYTES_PER_TRIANGLE = 2000
 
 
 def estimated_triangles(specimen: Specimen) -> int:
-    """Number of triangles to expect, 1.2 (measured) times the disc's area over an equilateral's."""
+    """Return the number of triangles to expect: 1.2 (measured) times that of equilateral ones."""
     ideal = 4 * math.pi / math.sqrt(3) * (specimen.outer_radius / specimen.mesh.size) ** 2
     return math.ceil(1.2 * ideal)
 
@@ -126,7 +127,8 @@ def _draw(gmsh: Any, specimen: Specimen) -> tuple[list[int], list[int]]:
     if specimen.cut is None:
         start = pen.point(specimen.outer_radius, 0.0, specimen.mesh.size)
         rim = (specimen.outer_radius, specimen.mesh.size)
-        outline, bare = pen.arcs(start, start, 0.0, 2 * math.pi, *rim), []
+        outline = pen.arcs(start, start, 0.0, 2 * math.pi, *rim)
+        bare: list[int] = []
     else:
         outline, bare = _draw_cuts(pen, specimen, specimen.cut)
     disc = geo.addPlaneSurface([geo.addCurveLoop(outline)])
@@ -155,14 +157,16 @@ def _draw_cutout(pen: "_Pen", specimen: Specimen, cut: CutPattern, middle: float
     """Draw one cutout, bounded by two radial cuts, an inner arc and a piece of the rim."""
     size, corner_size = specimen.mesh.size, specimen.mesh.corner_size or specimen.mesh.size
     first, last = middle - cut.cutout_angle / 2, middle + cut.cutout_angle / 2
-    corners = [pen.point(cut.inner_radius, angle, corner_size) for angle in (first, last)]
-    rim = [pen.point(specimen.outer_radius, angle, size) for angle in (first, last)]
-    inward, outward = pen.geo.addLine(rim[0], corners[0]), pen.geo.addLine(corners[1], rim[1])
-    inner_arcs = pen.arcs(*corners, first, last, cut.inner_radius, corner_size)
-    rim_arcs = pen.arcs(*rim, first, last, specimen.outer_radius, size)
+    corner_1 = pen.point(cut.inner_radius, first, corner_size)
+    corner_2 = pen.point(cut.inner_radius, last, corner_size)
+    rim_1 = pen.point(specimen.outer_radius, first, size)
+    rim_2 = pen.point(specimen.outer_radius, last, size)
+    inward, outward = pen.geo.addLine(rim_1, corner_1), pen.geo.addLine(corner_2, rim_2)
+    inner_arcs = pen.arcs(corner_1, corner_2, first, last, cut.inner_radius, corner_size)
+    rim_arcs = pen.arcs(rim_1, rim_2, first, last, specimen.outer_radius, size)
     loop = [*rim_arcs, -outward, *[-arc for arc in reversed(inner_arcs)], -inward]
     surface = pen.geo.addPlaneSurface([pen.geo.addCurveLoop(loop)])
-    return _Cutout(surface, [inward, *inner_arcs, outward], *rim, first, last)
+    return _Cutout(surface, [inward, *inner_arcs, outward], rim_1, rim_2, first, last)
 
 
 class _Pen(NamedTuple):
@@ -181,10 +185,7 @@ class _Pen(NamedTuple):
         pieces = math.ceil((last - first) / (2 * math.pi / 3) - 1e-9)
         angles = [first + (last - first) * k / pieces for k in range(1, pieces)]
         points = [start, *(self.point(radius, angle, size) for angle in angles), end]
-        return [
-            self.geo.addCircleArc(a, self.centre, b)
-            for a, b in zip(points, points[1:], strict=False)
-        ]
+        return [self.geo.addCircleArc(a, self.centre, b) for a, b in pairwise(points)]
 
 
 def _triangles(gmsh: Any, surfaces: list[int]) -> NDArray[np.int64]:

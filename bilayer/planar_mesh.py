@@ -4,8 +4,11 @@ The shell uses it as it is, the finite-element model extrudes it, so that two re
 their models and not by their meshes.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from pathlib import Path
 
 import meshio
@@ -133,10 +136,8 @@ def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
     data = {name: [mesh.region.astype(np.int32)] for name in names}
     # gmsh's older format keeps a tag per triangle and so our order of them; the newer sorts by tag
     file_format = "gmsh22" if is_gmsh else None
-    try:
+    with meshio_errors(f"mesh file {path}: cannot be written"):
         meshio.Mesh(points, cells, cell_data=data).write(path, file_format=file_format)
-    except (meshio.WriteError, OSError, KeyError, SystemExit) as error:
-        raise InputError(f"mesh file {path}: cannot be written ({error})") from error
 
 
 def read_planar_mesh(path: str | Path) -> PlanarMesh:
@@ -147,10 +148,8 @@ def read_planar_mesh(path: str | Path) -> PlanarMesh:
     InputError
         The file cannot be read, holds no triangles, or they make no valid planar mesh.
     """
-    try:
+    with meshio_errors(f"mesh file {path}: cannot be read"):
         data = meshio.read(path)
-    except (meshio.ReadError, OSError, KeyError, ValueError, SystemExit) as error:
-        raise InputError(f"mesh file {path}: cannot be read ({error})") from error
     triangles = data.get_cells_type("triangle")
     if len(triangles) == 0:
         raise InputError(f"mesh file {path}: holds no triangles, expected a planar mesh of them")
@@ -164,3 +163,19 @@ def read_planar_mesh(path: str | Path) -> PlanarMesh:
     )
     used, renumbered = np.unique(triangles, return_inverse=True)
     return PlanarMesh(data.points[used, :2], renumbered.reshape(-1, 3), region)
+
+
+@contextmanager
+def meshio_errors(what: str) -> Iterator[None]:
+    """Turn meshio's many ways to fail into one InputError that begins with `what`.
+
+    meshio prints its messages, some of them blank lines, and even ends the process; what it
+    prints is kept off the terminal and becomes part of the error.
+    """
+    printed = StringIO()
+    try:
+        with redirect_stdout(printed), redirect_stderr(printed):
+            yield
+    except (Exception, SystemExit) as error:
+        reason = " ".join(printed.getvalue().split()) or str(error) or type(error).__name__
+        raise InputError(f"{what} ({reason})") from error

@@ -321,10 +321,10 @@ def _measure_variables(mesh: PlanarMesh, rows: Sequence[MilestoneState]) -> dict
         "quality": ("prestretch", column("quality"),
                     one | {"long_name": "distance from a hemisphere: 0 hemisphere, 1 flat"}),
         "sphere_radius": ("prestretch", column("sphere_radius"), _metres("radius of best sphere")),
-        "sphere_rmse": ("prestretch", column("sphere_rmse"), _metres("rms distance to that sphere")),
+        "sphere_rmse": ("prestretch", column("sphere_rmse"), _metres("rms distance to it")),
         "hemisphere_distance": (
             "prestretch", column("hemisphere_distance"),
-            one | {"long_name": "distance to the hemisphere of equal meridian, over the flat disc's"},
+            one | {"long_name": "distance to the hemisphere of equal meridian, relative"},
         ),
         "span": (("prestretch", "xyz"), column("span"), _metres("extent in the body frame")),
         "height": ("prestretch", column("height"), _metres("extent along the body's axis")),

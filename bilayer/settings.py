@@ -78,11 +78,8 @@ def settings_to_toml(settings: Any) -> str:
 
 
 def _shown(default: Any) -> str:
-    return (
-        {True: "true", False: "false"}.get(default, repr(default))
-        if isinstance(default, bool)
-        else repr(default)
-    )
+    """Return a default as one writes it in TOML."""
+    return str(default).lower() if isinstance(default, bool) else repr(default)
 
 
 def _converted(name: str, value: Any, default: Any) -> Any:

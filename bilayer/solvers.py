@@ -3,7 +3,8 @@
 A solver is a package with
 
 - `MODELS`: its models by name, each the dataclass of that model's settings; the first is the
-  default;
+  default (its class attribute `stopping_is_a_result` says whether a run that stops early succeeds);
+- `PARALLEL`: whether the ranks of `mpirun` share one case;
 - `BYTES_PER_TRIANGLE`: memory that it takes, for the check before a run;
 - `solve(specimen, settings, *, mesh=None, start=None, comm=None, progress=None)`, which returns
   the dataset of `bilayer.result`.

@@ -5,8 +5,9 @@ is not. z = 0 is the bond. Everything is in SI units and checked when it is made
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from bilayer.errors import InputError
 from bilayer.material import Law
@@ -96,15 +97,15 @@ class Prestretch:
     thickness: str = "natural"
 
     def __post_init__(self) -> None:
-        if isinstance(self.milestones, str) or not isinstance(self.milestones, Sequence):
+        if isinstance(self.milestones, str) or not isinstance(self.milestones, Iterable):
             raise InputError(
                 f"prestretch.milestones = {self.milestones!r}: expected a list of numbers"
             )
-        if len(self.milestones) == 0:
-            raise InputError("prestretch.milestones = []: expected at least one")
         pairs = tuple(_stretch_pair(milestone) for milestone in self.milestones)
+        if not pairs:
+            raise InputError("prestretch.milestones = []: expected at least one")
         nominal = [max(pair) for pair in pairs]
-        for before, after in zip(nominal, nominal[1:], strict=False):
+        for before, after in pairwise(nominal):
             if after <= before:
                 raise InputError(
                     f"prestretch.milestones = {list(self.milestones)}: expected ascending numbers, "
@@ -204,7 +205,8 @@ class Specimen:
 
     def with_milestones(self, milestones: Sequence[float | tuple[float, float]]) -> "Specimen":
         """Return the same specimen with other prestretches."""
-        return replace(self, prestretch=replace(self.prestretch, milestones=tuple(milestones)))
+        path = Prestretch(tuple(milestones), self.prestretch.thickness)  # type: ignore[arg-type]
+        return replace(self, prestretch=path)
 
 
 def _stretch_pair(milestone: float | Sequence[float]) -> tuple[float, float]:

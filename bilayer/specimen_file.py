@@ -17,7 +17,7 @@ from bilayer.material import Law, LinearElastic, MooneyRivlin, NeoHookean
 from bilayer.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
 from bilayer.validation import nearest, one_of
 
-LAWS: dict[str, type] = {
+LAWS: dict[str, Any] = {
     "mooney-rivlin": MooneyRivlin,
     "neo-hookean": NeoHookean,
     "linear": LinearElastic,

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from difflib import get_close_matches
+from numbers import Real
 from typing import Any
 
 from bilayer.errors import InputError
@@ -10,7 +11,7 @@ from bilayer.errors import InputError
 
 def finite(field: str, value: Any) -> float:
     """Return `value` as a float; raise InputError unless it is a finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{field} = {value!r}: expected a number")
     if not math.isfinite(value):
         raise InputError(f"{field} = {value}: expected a finite number")
