@@ -4,11 +4,8 @@ The shell uses it as it is, the finite-element model extrudes it, so that two re
 their models and not by their meshes.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import cached_property
-from io import StringIO
 from pathlib import Path
 
 import meshio
@@ -16,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.mesh_file import read_mesh_file, write_mesh_file
 
 BARE, KIRIGAMI = 0, 1
 
@@ -128,16 +126,20 @@ def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
     """Write the mesh in any format that meshio writes, chosen by the file's ending.
 
     The region is the cell data `region` (and, in gmsh's formats, the physical tag).
+
+    Raises
+    ------
+    InputError
+        The format is unknown, or the folder cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk.
     """
     cells = [("triangle", mesh.triangles)]
     points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     is_gmsh = Path(path).suffix == ".msh"
     names = ["gmsh:physical", "gmsh:geometrical"] if is_gmsh else ["region"]
     data = {name: [mesh.region.astype(np.int32)] for name in names}
-    # gmsh's older format keeps a tag per triangle and so our order of them; the newer sorts by tag
-    file_format = "gmsh22" if is_gmsh else None
-    with meshio_errors(f"mesh file {path}: cannot be written"):
-        meshio.Mesh(points, cells, cell_data=data).write(path, file_format=file_format)
+    write_mesh_file(meshio.Mesh(points, cells, cell_data=data), path)
 
 
 def read_planar_mesh(path: str | Path) -> PlanarMesh:
@@ -148,8 +150,7 @@ def read_planar_mesh(path: str | Path) -> PlanarMesh:
     InputError
         The file cannot be read, holds no triangles, or they make no valid planar mesh.
     """
-    with meshio_errors(f"mesh file {path}: cannot be read"):
-        data = meshio.read(path)
+    data = read_mesh_file(path)
     triangles = data.get_cells_type("triangle")
     if len(triangles) == 0:
         raise InputError(f"mesh file {path}: holds no triangles, expected a planar mesh of them")
@@ -163,19 +164,3 @@ def read_planar_mesh(path: str | Path) -> PlanarMesh:
     )
     used, renumbered = np.unique(triangles, return_inverse=True)
     return PlanarMesh(data.points[used, :2], renumbered.reshape(-1, 3), region)
-
-
-@contextmanager
-def meshio_errors(what: str) -> Iterator[None]:
-    """Turn meshio's many ways to fail into one InputError that begins with `what`.
-
-    meshio prints its messages, some of them blank lines, and even ends the process; what it
-    prints is kept off the terminal and becomes part of the error.
-    """
-    printed = StringIO()
-    try:
-        with redirect_stdout(printed), redirect_stderr(printed):
-            yield
-    except (Exception, SystemExit) as error:
-        reason = " ".join(printed.getvalue().split()) or str(error) or type(error).__name__
-        raise InputError(f"{what} ({reason})") from error

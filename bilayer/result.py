@@ -7,7 +7,6 @@ computed on the way to each, at the prestretch `last_prestretch`.
 """
 
 import math
-import os
 import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +18,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import InputError
+from bilayer.output_file import check_writable as check_writable
+from bilayer.output_file import whole_file
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.settings import settings_to_toml
 from bilayer.shape import ShapeMeasures, measure_shape
@@ -133,7 +134,7 @@ def build_result(
 
 
 def write_result(result: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset as NetCDF, whole or not at all: under another name first, then renamed.
+    """Write a dataset as NetCDF, whole or not at all.
 
     Raises
     ------
@@ -142,32 +143,13 @@ def write_result(result: xr.Dataset, path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk; an earlier file of that name stays as it was.
     """
-    target = Path(path)
-    check_writable(target)
-    partial = target.with_name(f"{target.name}.{os.getpid()}.partial")
     packed = {
         name: {"zlib": True, "complevel": 4}
         for name, variable in result.variables.items()
         if variable.dtype.kind == "f" and variable.ndim > 1
     }
-    try:
+    with whole_file(path, "result file") as partial:
         result.to_netcdf(partial, engine="netcdf4", encoding=packed)
-        partial.replace(target)
-    except (OSError, RuntimeError) as error:
-        raise ComputationError(f"result file {target}: cannot be written ({error})") from error
-    finally:
-        partial.unlink(missing_ok=True)
-
-
-def check_writable(path: Path) -> None:
-    """Raise InputError unless a file can be made in the folder of `path`."""
-    folder = path.parent
-    if not folder.is_dir():
-        raise InputError(f"output file {path}: the folder {folder} does not exist")
-    if path.is_dir():
-        raise InputError(f"output file {path}: is a folder, expected a file name")
-    if not os.access(folder, os.W_OK):
-        raise InputError(f"output file {path}: the folder {folder} cannot be written to")
 
 
 def open_result(path: str | Path) -> xr.Dataset:

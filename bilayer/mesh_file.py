@@ -1,0 +1,66 @@
+"""Mesh files in any format that meshio knows, with its messages as errors of this project."""
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import meshio
+
+from bilayer.errors import BilayerError, InputError
+from bilayer.output_file import whole_file
+
+WRITER_OPTIONS = {
+    # format 2.2 keeps our order of triangles; the newer sorts them by tag
+    ".msh": {"file_format": "gmsh22"},
+    # numbers in the file itself, where the default needs h5py and a second file
+    ".xdmf": {"file_format": "xdmf", "data_format": "XML"},
+}
+
+
+def read_mesh_file(path: str | Path) -> meshio.Mesh:
+    """Read a mesh file, the format told by its ending.
+
+    Raises
+    ------
+    InputError
+        The file is missing, of an unknown format, or not what its ending says.
+    """
+    try:
+        with _meshio_speaks_by_errors(path, "read"):
+            return meshio.read(path)
+    except OSError as error:
+        raise InputError(f"mesh file {path}: cannot be read ({error.strerror})") from error
+
+
+def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
+    """Write a mesh file, the format told by its ending; whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The format is unknown or cannot hold this mesh, or the folder cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk.
+    """
+    options = WRITER_OPTIONS.get(Path(path).suffix, {})
+    with whole_file(path, "mesh file") as partial, _meshio_speaks_by_errors(path, "written"):
+        meshio.write(partial, mesh, **options)
+
+
+@contextmanager
+def _meshio_speaks_by_errors(path: str | Path, done: str) -> Iterator[None]:
+    """Turn meshio's many ways to fail into an InputError; errors of the disk pass.
+
+    meshio prints its messages, some of them blank lines, and even ends the process; what it
+    prints is kept off the terminal and becomes part of the error.
+    """
+    printed = io.StringIO()
+    try:
+        with redirect_stdout(printed), redirect_stderr(printed):
+            yield
+    except (OSError, BilayerError):
+        raise
+    except (Exception, SystemExit) as error:
+        reason = " ".join(printed.getvalue().split()) or str(error) or type(error).__name__
+        raise InputError(f"mesh file {path}: cannot be {done} ({reason})") from error

@@ -1,0 +1,51 @@
+"""A file that appears whole or not at all: written in a folder beside it, then moved."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from bilayer.errors import ComputationError, InputError
+
+
+@contextmanager
+def whole_file(path: str | Path, what: str) -> Iterator[Path]:
+    """Give a name of the same ending to write to; move what was written when the block ends well.
+
+    Companions that a format writes beside its file (the .h5 of an .xdmf) move along.
+
+    Parameters
+    ----------
+    path : path-like
+        Where the file shall be; an earlier one stays as it was until the new one is whole.
+    what : str
+        What it is, for the messages: "result file", "figure", ...
+
+    Raises
+    ------
+    InputError
+        The folder does not exist or cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk.
+    """
+    target = Path(path)
+    check_writable(target)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as partial:
+            yield Path(partial, target.name)
+            for written in Path(partial).iterdir():
+                written.replace(target.with_name(written.name))
+    except (OSError, RuntimeError) as error:  # the NetCDF library raises RuntimeErrors
+        raise ComputationError(f"{what} {target}: cannot be written ({error})") from error
+
+
+def check_writable(path: Path) -> None:
+    """Raise InputError unless a file can be made in the folder of `path`."""
+    folder = path.parent
+    if not folder.is_dir():
+        raise InputError(f"output file {path}: the folder {folder} does not exist")
+    if path.is_dir():
+        raise InputError(f"output file {path}: is a folder, expected a file name")
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"output file {path}: the folder {folder} cannot be written to")
