@@ -56,7 +56,7 @@ view_of() {  # root
         esac
     done
     for entry in "${etc_of_the_machine[@]}"; do
-        [[ ! -e $entry || ! -e $root$entry ]] ||
+        [[ ! -e $entry || ! -f $root$entry || -L $root$entry ]] ||
             printf '%s\0' --ro-bind "$(readlink -f "$entry")" "$entry"
     done
     # A file written where the machine has no folder shows as an error, not as a lost file.
@@ -82,6 +82,5 @@ set_root_variables() {
     export LANG=C.UTF-8 LC_ALL=C.UTF-8  # the only locale inside
     # MPI within this machine alone: shared memory, no search for fast networks and their warnings.
     export OMPI_MCA_pml=${OMPI_MCA_pml:-ob1} OMPI_MCA_btl=${OMPI_MCA_btl:-self,sm}
-    export PRTE_MCA_rmaps_default_mapping_policy=${PRTE_MCA_rmaps_default_mapping_policy:-:oversubscribe}
     set_common_variables
 }

@@ -59,7 +59,7 @@ build_root() {
     # shellcheck disable=SC2064
     trap "kill -KILL $builder; wait $builder 2>/dev/null; exit 143" TERM HUP
     trap clear_remains EXIT
-    wait "$builder" || fail 1 "making the environment failed: $(last_error "$log") (all of it: $log)"
+    wait "$builder" || fail 1 "making the environment failed: $(cause_of_failure "$log") (all of it: $log)"
     wait "$progress"
     sync --file-system "$partial"
     [[ ! -e $root ]] || mv --no-target-directory "$root" "$root.old-$$.partial"
@@ -169,8 +169,9 @@ apt_install() {
     "${install[@]}" >/dev/null 2>&1 || { apt-get update --quiet --quiet && "${install[@]}"; } >/dev/null
 }
 
-last_error() {  # log
-    grep -E '^(E|dpkg): ' "$1" | grep -v 'E: setup failed\|E: run_progress' | tail -n 1 | grep . || tail -n 1 "$1"
+# The first error names the cause; those after it say what else failed because of it.
+cause_of_failure() {  # log
+    grep --max-count=1 -E '^(E|dpkg): ' "$1" || tail -n 1 "$1"
 }
 
 # mmdebstrap's and apt's many lines: all of them into the log, and on the screen where it stands.

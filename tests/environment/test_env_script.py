@@ -23,9 +23,10 @@ echo run >>"$FAKE/runs"
 folder=${@: -1}
 for argument; do [[ $argument == /*/root-* ]] && folder=$argument; done
 mkdir -p "$folder/usr/bin" "$folder/var/cache/apt/archives"
-cp "$FAKE/debs"/*.deb "$folder/var/cache/apt/archives" 2>/dev/null
+for hook; do [[ $hook != --setup-hook=* ]] || sh -c "${hook#*=}" exec "$folder"; done
+ls "$folder/var/cache/apt/archives" >"$FAKE/given"
 touch "$folder/var/cache/apt/archives/made.deb" "$FAKE/begun"
-[[ ! -e $FAKE/fails ]] || { echo "E: Unable to locate package nonsense"; exit 1; }
+[[ ! -e $FAKE/fails ]] || { printf "E: %s\\n" "Unable to locate package nonsense" failed; exit 1; }
 sleep "$(cat "$FAKE/seconds")"
 rm "$folder"/var/cache/apt/archives/*.deb
 touch "$folder/usr/bin/python3"
@@ -377,9 +378,11 @@ def test_downloads_of_a_broken_build_are_given_to_the_next(machine):
     (machine.folder / "fails").touch()
     machine.finish()
     assert [path.name for path in (machine.cache / "packages").iterdir()] == ["made.deb"]
+    assert (machine.folder / "given").read_text() == "made.deb\n"
     (machine.folder / "fails").unlink()
     machine.takes(0)
     machine.finish()
+    assert (machine.folder / "given").read_text() == "made.deb\n"
     assert not (machine.cache / "packages").exists()
 
 
@@ -413,11 +416,22 @@ def test_a_root_in_use_is_not_removed(machine):
     (in_use,) = machine.roots
     packages = machine.checkout / "docker" / "apt-packages.txt"
     packages.write_text(packages.read_text() + "hello  # one more\n")
-    with subprocess.Popen(["flock", "--shared", machine.cache / in_use, "sleep", "60"]) as user:
-        time.sleep(0.2)
+    holding = ["flock", "--shared", "--no-fork", machine.cache / in_use, "sh", "-c", "echo; sleep 20"]
+    with subprocess.Popen(holding, stdout=subprocess.PIPE) as user:
+        assert user.stdout is not None
+        user.stdout.readline()
         machine.finish()
-        assert in_use in machine.roots
-        user.terminate()
+        roots = machine.roots
+        user.kill()
+    assert in_use in roots
+
+
+@needs_mounts
+def test_a_running_command_holds_its_root(root_of_this_system):
+    lock = ["flock", "--exclusive", "--nonblock", str(root_of_this_system), "true"]
+    result = run(*lock, BILAYER_ENV=str(root_of_this_system))
+    assert result.returncode != 0
+    assert subprocess.run(lock).returncode == 0
 
 
 def test_rebuild_makes_a_new_root(machine):
