@@ -1,7 +1,8 @@
 """scripts/env: which way it takes, what a command sees inside, and how a root file system is made.
 
-The making is tested with a `mmdebstrap` of our own on the PATH, which takes a second, counts its runs and
-does as it is told; the entering with the real bubblewrap, into a root that is this system seen again.
+The making is tested with a `mmdebstrap` of our own on the PATH, which takes a second, counts its
+runs and does as it is told; the entering with the real bubblewrap, into a root that is this system
+seen again.
 """
 
 import os
@@ -97,7 +98,12 @@ def test_root_is_taken_where_python_is_missing(tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "choice"),
-    [(["true"], "docker"), (["true"], "/nowhere"), (["--wher"], "native"), (["--rebuild"], "native")],
+    [
+        (["true"], "docker"),
+        (["true"], "/nowhere"),
+        (["--wher"], "native"),
+        (["--rebuild"], "native"),
+    ],
 )
 def test_bad_choice_is_one_line_and_status_2(arguments, choice):
     result = run(*arguments, BILAYER_ENV=choice)
@@ -151,7 +157,9 @@ def way(request: pytest.FixtureRequest) -> str:
 
 
 def test_arguments_and_exit_status_pass_through(way):
-    result = run("bash", "-c", 'printf "%s|" "$@"; exit 7', "_", "two words", "", "*", "--", BILAYER_ENV=way)
+    result = run(
+        "bash", "-c", 'printf "%s|" "$@"; exit 7', "_", "two words", "", "*", "--", BILAYER_ENV=way
+    )
     assert result.stdout == "two words||*|--|"
     assert result.returncode == 7
     assert result.stderr == ""
@@ -165,7 +173,10 @@ def test_nested_call_runs_directly(way):
 
 def test_standard_input_reaches_the_command(way):
     result = subprocess.run(
-        [ENV, "cat"], env=os.environ | {"BILAYER_ENV": way}, input=b"3 strips\n", capture_output=True
+        [ENV, "cat"],
+        env=os.environ | {"BILAYER_ENV": way},
+        input=b"3 strips\n",
+        capture_output=True,
     )
     assert result.stdout == b"3 strips\n"
 
@@ -416,7 +427,15 @@ def test_a_root_in_use_is_not_removed(machine):
     (in_use,) = machine.roots
     packages = machine.checkout / "docker" / "apt-packages.txt"
     packages.write_text(packages.read_text() + "hello  # one more\n")
-    holding = ["flock", "--shared", "--no-fork", machine.cache / in_use, "sh", "-c", "echo; sleep 20"]
+    holding = [
+        "flock",
+        "--shared",
+        "--no-fork",
+        machine.cache / in_use,
+        "sh",
+        "-c",
+        "echo; sleep 20",
+    ]
     with subprocess.Popen(holding, stdout=subprocess.PIPE) as user:
         assert user.stdout is not None
         user.stdout.readline()
@@ -458,7 +477,9 @@ def test_progress_is_shown_in_milestones(machine):
     ]
 
 
-@pytest.mark.parametrize(("missing", "package"), [("mmdebstrap", "mmdebstrap"), ("bwrap", "bubblewrap")])
+@pytest.mark.parametrize(
+    ("missing", "package"), [("mmdebstrap", "mmdebstrap"), ("bwrap", "bubblewrap")]
+)
 def test_what_is_missing_is_installed_as_root_and_nothing_else(machine, missing, package):
     script = (machine.folder / "commands" / missing).read_text()
     hide_system_commands(machine, missing)
@@ -491,8 +512,8 @@ def test_where_no_way_is_open_one_line_says_what_to_install(machine):
 def hide_system_commands(machine: Machine, missing: str) -> None:
     """Leave on the PATH what a plain system has, without apt-get and the missing command."""
     (machine.folder / "commands" / missing).unlink()
-    for name in os.listdir("/usr/bin"):
-        link = machine.folder / "commands" / name
-        if name not in (missing, "apt-get") and not link.exists():
-            link.symlink_to(f"/usr/bin/{name}")
+    for command in Path("/usr/bin").iterdir():
+        link = machine.folder / "commands" / command.name
+        if command.name not in (missing, "apt-get") and not link.exists():
+            link.symlink_to(command)
     machine.variables["PATH"] = str(machine.folder / "commands")
