@@ -10,12 +10,8 @@ import meshio
 from bilayer.errors import BilayerError, InputError
 from bilayer.output_file import whole_file
 
-WRITER_OPTIONS = {
-    # format 2.2 keeps our order of triangles; the newer sorts them by tag
-    ".msh": {"file_format": "gmsh22"},
-    # numbers in the file itself, where the default needs h5py and a second file
-    ".xdmf": {"file_format": "xdmf", "data_format": "XML"},
-}
+FORMATS = {".msh": "gmsh22"}
+"""Where the ending leaves a choice: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
 
 
 def read_mesh_file(path: str | Path) -> meshio.Mesh:
@@ -43,9 +39,9 @@ def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
-    options = WRITER_OPTIONS.get(Path(path).suffix, {})
+    file_format = FORMATS.get(Path(path).suffix)
     with whole_file(path, "mesh file") as partial, _meshio_speaks_by_errors(path, "written"):
-        meshio.write(partial, mesh, **options)
+        meshio.write(partial, mesh, file_format=file_format)
 
 
 @contextmanager
