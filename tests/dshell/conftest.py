@@ -1,0 +1,15 @@
+from dataclasses import replace
+
+import pytest
+
+from bilayer import MeshSize, PlanarMesh, Specimen, generate_mesh, paper_specimen
+
+
+@pytest.fixture(scope="session")
+def coarse_specimen() -> Specimen:
+    return replace(paper_specimen(), mesh=MeshSize(0.01))
+
+
+@pytest.fixture(scope="session")
+def coarse_mesh(coarse_specimen: Specimen) -> PlanarMesh:
+    return generate_mesh(coarse_specimen)

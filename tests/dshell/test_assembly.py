@@ -1,0 +1,86 @@
+import numpy as np
+import pytest
+
+from dshell.assembly import Assembly
+from dshell.edge_springs import EdgeSprings
+from dshell.hinges import Hinges
+from dshell.topology import Topology
+
+HELD = [0, 5]
+
+
+@pytest.fixture(scope="module")
+def shell(coarse_mesh):
+    """Energies of order one on the coarse mesh, in a rough shape."""
+    rng = np.random.default_rng(2)
+    flat = np.column_stack([coarse_mesh.points, np.zeros(len(coarse_mesh.points))]) / 0.01
+    topology = Topology.of(coarse_mesh.triangles)
+    count = len(topology.hinges)
+    lengths = np.linalg.norm(np.diff(flat[topology.edges], axis=1)[:, 0], axis=1)
+    energies = (
+        EdgeSprings(topology.edges, np.ones(len(lengths)), 0.9 * lengths),
+        Hinges(topology.hinges, np.ones(count), rng.uniform(-0.5, 0.5, count)),
+    )
+    return energies, flat + rng.uniform(-0.2, 0.2, flat.shape)
+
+
+def assembly_of(energies, positions):
+    return Assembly(len(positions), [term.nodes for term in energies], HELD)
+
+
+def free_dofs(positions):
+    return np.delete(np.arange(positions.size).reshape(-1, 3), HELD, axis=0).reshape(-1)
+
+
+def test_gradient_and_hessian_are_the_sums_over_elements(shell):
+    energies, positions = shell
+    size = positions.size
+    gradient, hessian = np.zeros(size), np.zeros((size, size))
+    for term in energies:
+        corners = positions[term.nodes]
+        parts = zip(term.nodes, term.gradient(corners), term.hessian(corners), strict=True)
+        for nodes, slope, block in parts:
+            dofs = [3 * node + axis for node in nodes for axis in range(3)]
+            gradient[dofs] += slope.reshape(-1)
+            hessian[np.ix_(dofs, dofs)] += block
+    assembly = assembly_of(energies, positions)
+    free = free_dofs(positions)
+    assert assembly.gradient(energies, positions).reshape(-1) == pytest.approx(gradient, abs=1e-12)
+    assembled = assembly.hessian(energies, positions).toarray()
+    assert np.abs(assembled - hessian[np.ix_(free, free)]).max() < 1e-12 * np.abs(hessian).max()
+
+
+def test_whole_hessian_is_the_derivative_of_the_whole_gradient(shell):
+    energies, positions = shell
+    assembly = assembly_of(energies, positions)
+    direction = np.random.default_rng(3).normal(size=positions.shape)
+    direction[HELD] = 0
+    step = 1e-6 * direction
+    change = assembly.gradient(energies, positions + step)
+    change -= assembly.gradient(energies, positions - step)
+    free = free_dofs(positions)
+    product = assembly.hessian(energies, positions) @ direction.reshape(-1)[free]
+    assert product == pytest.approx(
+        change.reshape(-1)[free] / 2e-6, abs=1e-7 * np.abs(product).max()
+    )
+
+
+def test_pattern_is_fixed_and_holds_the_diagonal(shell):
+    energies, positions = shell
+    assembly = assembly_of(energies, positions)
+    diagonal = np.arange(1.0, 1 + len(free_dofs(positions)))
+    plain = assembly.hessian(energies, positions)
+    shifted = assembly.hessian(energies, 1.3 * positions, diagonal)
+    assert np.array_equal(plain.indices, shifted.indices)
+    assert np.array_equal(plain.indptr, shifted.indptr)
+    added = assembly.hessian(energies, positions, diagonal) - plain
+    assert added.diagonal() == pytest.approx(diagonal)
+    assert abs(added).sum() == pytest.approx(diagonal.sum())
+
+
+def test_energy_by_name(shell):
+    energies, positions = shell
+    totals = assembly_of(energies, positions).energy(energies, positions)
+    expected = {term.name: term.energy(positions[term.nodes]).sum() for term in energies}
+    assert totals == pytest.approx(expected)
+    assert set(totals) == {"stretching", "bending"}
