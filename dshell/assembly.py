@@ -68,7 +68,7 @@ class Assembly:
         pattern, slots = np.unique(np.concatenate([diagonal, *entries]), return_inverse=True)
         stored = int(np.searchsorted(pattern, size * size))
         self._diagonal_slots = slots[:size]
-        self._slots = np.minimum(slots[size:], stored)
+        self._slots = slots[size:]
         columns, self._rows = np.divmod(pattern[:stored], max(size, 1))
         self._column_starts = np.searchsorted(columns, np.arange(size + 1))
 

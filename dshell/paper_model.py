@@ -1,0 +1,154 @@
+"""One release by the paper's discrete shell, exactly as printed: a run in time from flat.
+
+Natural lengths and angles grow linearly with time, a gravity that breaks the symmetry tapers off
+to zero, a weak viscous force acts, the node nearest to the origin is held. Where Newton-Raphson
+stops converging the run ends with its last shape, which the paper reports as a result too.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
+from bilayer.result import MilestoneState
+from bilayer.specimen import Specimen
+from dshell.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
+from dshell.interface import bonded_interface
+from dshell.paper_rest_state import Ramp, rest_state
+from dshell.settings import PaperSettings
+from dshell.topology import sum_at_nodes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Release:
+    """How one milestone ended.
+
+    Parameters
+    ----------
+    state : MilestoneState
+        Its shape and its numbers.
+    stop_reason : str
+        Why it stopped before its end, or an empty text.
+    """
+
+    state: MilestoneState
+    stop_reason: str
+
+
+def release(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    stretch: tuple[float, float],
+    settings: PaperSettings,
+    report: Callable[[float], None],
+) -> Release:
+    """Run one milestone from flat to the end of its ramp, or as far as it converges.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        With the thickness rule that the run follows.
+    mesh : PlanarMesh
+        The flat bonded interface.
+    stretch : (float, float)
+        The milestone, (lambda_x, lambda_y).
+    settings : PaperSettings
+        What the paper leaves open.
+    report : callable
+        Called with the share of the ramp after each time step.
+    """
+    begun = time.perf_counter()
+    thickness = specimen.bonded_thickness(stretch)
+    body = paper_body(specimen, mesh, rest_state(specimen, mesh, stretch), thickness, settings)
+    scale = force_scale(specimen, thickness)
+    stepping = Stepping(
+        settings.total_time / settings.steps,
+        settings.steps,
+        settings.tolerance * scale,
+        settings.max_iterations,
+    )
+    motion = flat = flat_start(mesh, thickness)
+    steps = iterations = 0
+    error, failure = 0.0, ""
+    try:
+        for motion in implicit_euler(body, flat, stepping):
+            steps, iterations, error = steps + 1, iterations + motion.iterations, motion.error
+            report(steps / settings.steps)
+    except ConvergenceError as stop:
+        iterations, error = iterations + stop.iterations, stop.error
+        failure = _stop_reason(max(stretch), steps / settings.steps, stop)
+    state = MilestoneState(
+        bonded_interface(motion.position, mesh.triangles, mesh.areas, thickness),
+        converged=not failure,
+        reached=1 + (max(stretch) - 1) * steps / settings.steps,
+        energy=energy_terms(body, motion),
+        iterations=iterations,
+        load_steps=steps,
+        residual=error / scale,
+        wall_time=time.perf_counter() - begun,
+    )
+    return Release(state, failure)
+
+
+def paper_body(
+    specimen: Specimen, mesh: PlanarMesh, ramp: Ramp, thickness: float, settings: PaperSettings
+) -> MovingBody:
+    """Return what moves: the energies on their ramp, the lumped masses and the tapering gravity.
+
+    Parameters
+    ----------
+    specimen, mesh
+        What is released, on which planar mesh.
+    ramp : Ramp
+        The rest state.
+    thickness : float
+        Thickness of the bonded substrate, m.
+    settings : PaperSettings
+        Duration, gravity and damping.
+    """
+    masses = lumped_masses(specimen, mesh, thickness)
+    weight = np.zeros((len(masses), 3))
+    weight[:, 2] = -masses * settings.gravity
+    end = settings.total_time
+    return MovingBody(
+        masses,
+        np.array([mesh.centre_node]),
+        energies=lambda now: ramp.at(now / end),
+        load=lambda now: (1 - now / end) * weight,
+        damping_rate=settings.damping_rate,
+    )
+
+
+def lumped_masses(specimen: Specimen, mesh: PlanarMesh, thickness: float) -> Array:
+    """Return the mass of each node, kg: a third of each of its triangles, both layers."""
+    per_area = specimen.substrate.density * thickness + np.where(
+        mesh.region == KIRIGAMI, specimen.kirigami.density * specimen.kirigami.thickness, 0.0
+    )
+    return sum_at_nodes(mesh.triangles, per_area * mesh.areas / 3)
+
+
+def flat_start(mesh: PlanarMesh, thickness: float) -> Motion:
+    """Return the flat bonded state at rest: the substrate's mid-plane, below the bond at z = 0."""
+    depth = np.full(len(mesh.points), -thickness / 2)
+    position = np.column_stack([mesh.points, depth])
+    return Motion(0.0, position, np.zeros_like(position))
+
+
+def force_scale(specimen: Specimen, thickness: float) -> float:
+    """Return the force that the tolerance is relative to, Y_s t_s R, N."""
+    return specimen.substrate.material.young_modulus * thickness * specimen.outer_radius
+
+
+def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
+    """Return the energies at one time, J; the kinetic one tells how far from rest the shape is."""
+    elastic = body.assembly().energy(body.energies(motion.time), motion.position)
+    return {**elastic, "kinetic": float(0.5 * body.masses @ (motion.velocity**2).sum(axis=1))}
+
+
+def _stop_reason(prestretch: float, share: float, stop: ConvergenceError) -> str:
+    return f"prestretch {prestretch:g} stopped after {share:.0%} of its ramp: {stop}"

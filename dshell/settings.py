@@ -1,0 +1,51 @@
+"""Settings of the discrete shell's models."""
+
+import math
+from dataclasses import dataclass
+
+from bilayer.errors import InputError
+from bilayer.settings import documented
+from bilayer.specimen import BONDED_THICKNESS_RULES
+from bilayer.validation import not_negative, one_of, positive, whole
+
+
+@dataclass(frozen=True)
+class PaperSettings:
+    """What the paper leaves open about its discrete shell; see docs/theory.md for the reasons."""
+
+    thickness: str = documented(
+        "constant",
+        "thickness of the bonded substrate, in place of prestretch.thickness: "
+        "'constant' as printed, 'natural' divided by the stretch's area ratio",
+    )
+    total_time: float = documented(
+        1.0, "duration of the ramp of natural lengths and angles, and of the run [s]"
+    )
+    time_step: float = documented(0.002, "time step of implicit Euler [s]")
+    gravity: float = documented(
+        1.0, "symmetry-breaking acceleration along -z at the start, tapered to 0 at the end [m/s2]"
+    )
+    damping_rate: float = documented(10.0, "viscous force per mass and velocity [1/s]")
+    tolerance: float = documented(
+        1e-8, "norm of the residual force at convergence over Y_s t_s times the outer radius"
+    )
+    max_iterations: int = documented(200, "Newton-Raphson iterations allowed in a time step")
+
+    def __post_init__(self) -> None:
+        one_of("solver.thickness", self.thickness, BONDED_THICKNESS_RULES)
+        positive("solver.total_time", self.total_time, "s")
+        positive("solver.time_step", self.time_step, "s")
+        if self.time_step > self.total_time:
+            raise InputError(
+                f"solver.time_step = {self.time_step} s: expected at most "
+                f"solver.total_time = {self.total_time} s"
+            )
+        not_negative("solver.gravity", self.gravity, "m/s2")
+        not_negative("solver.damping_rate", self.damping_rate, "1/s")
+        positive("solver.tolerance", self.tolerance)
+        whole("solver.max_iterations", self.max_iterations, at_least=1)
+
+    @property
+    def steps(self) -> int:
+        """Number of equal time steps that fill the total time, none longer than `time_step`."""
+        return math.ceil(self.total_time / self.time_step * (1 - 1e-12))
