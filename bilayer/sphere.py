@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, null_space
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, root
 
 from bilayer.surface import Surface
 
@@ -50,17 +50,22 @@ def fit_sphere(surface: Surface) -> Sphere:
     weights = surface.node_areas / surface.node_areas.sum()
     points = surface.points - _point_on(surface)
     size = float(np.sqrt(weights @ np.sum(points**2, axis=1)))
-    points /= size
-    start, axes = _algebraic_fit(points, weights)
-    root = np.sqrt(weights)
-    fit = least_squares(
-        lambda unknowns: root * _distance(points @ axes.T, *unknowns),
-        start, method="lm", xtol=1e-14, ftol=1e-14, gtol=1e-14,
-    )  # fmt: skip
-    curvature = abs(fit.x[0]) / size
+    start, axes = _algebraic_fit(points / size, weights)
+    points, root_weights = points / size @ axes.T, np.sqrt(weights)
+
+    def residuals(unknowns: Array) -> Array:
+        return root_weights * _distance(points, *unknowns)
+
+    def slopes(unknowns: Array) -> Array:
+        return root_weights[:, None] * _distance_slopes(points, *unknowns)
+
+    near = least_squares(residuals, start, slopes, method="lm", ftol=1e-12, xtol=1e-12).x
+    # round-off hides the least sum of squares within 1e-8; the zero of its gradient is sharp
+    best = root(lambda unknowns: slopes(unknowns).T @ residuals(unknowns), near, tol=1e-14).x
+    curvature = abs(best[0]) / size
     return Sphere(
         radius=float(1 / curvature) if curvature > 0 else math.inf,
-        rmse=float(np.linalg.norm(fit.fun)) * size,
+        rmse=float(np.linalg.norm(residuals(best))) * size,
     )
 
 
@@ -70,12 +75,38 @@ def _point_on(surface: Surface) -> Array:
 
 
 def _distance(points: Array, curvature: float, offset: float, tilt: float, tip: float) -> Array:
-    """Signed distance of points from a sphere whose normal is near the z axis."""
-    normal = np.array([tilt, tip, 1.0])
-    normal /= np.linalg.norm(normal)
+    """Signed distance of points from a sphere whose normal (tilt, tip, 1) is near the z axis."""
+    normal, _ = _unit_normal(tilt, tip)
     y = points - offset * normal
     P = y @ normal + 0.5 * curvature * np.sum(y**2, axis=1)
-    return 2 * P / (1 + np.sqrt(np.maximum(1 + 2 * curvature * P, 0.0)))
+    return 2 * P / (1 + _gradient_norm(curvature, P))
+
+
+def _distance_slopes(
+    points: Array, curvature: float, offset: float, tilt: float, tip: float
+) -> Array:
+    """Return the derivatives of `_distance` by its four unknowns, shape (n, 4)."""
+    normal, normal_slopes = _unit_normal(tilt, tip)
+    y = points - offset * normal
+    along, square = y @ normal, np.sum(y**2, axis=1)
+    P = along + 0.5 * curvature * square
+    q = _gradient_norm(curvature, P)
+    by_curvature = square / (1 + q) - 2 * P * (P + 0.5 * curvature * square) / (q * (1 + q) ** 2)
+    by_offset = -(1 + curvature * along) / q
+    by_normal = (1 - curvature * offset) * (y @ normal_slopes) / q[:, None]
+    return np.column_stack([by_curvature, by_offset, by_normal])
+
+
+def _gradient_norm(curvature: float, P: Array) -> Array:
+    """|k y + n| = sqrt(1 + 2 k P), kept from zero, where the sphere's centre is."""
+    return np.sqrt(np.maximum(1 + 2 * curvature * P, 1e-24))
+
+
+def _unit_normal(tilt: float, tip: float) -> tuple[Array, Array]:
+    """Return the unit vector along (tilt, tip, 1), and its derivatives by both, (3, 2)."""
+    length = math.sqrt(tilt**2 + tip**2 + 1)
+    normal = np.array([tilt, tip, 1.0]) / length
+    return normal, (np.eye(3, 2) - np.outer(normal, normal[:2])) / length
 
 
 def _algebraic_fit(points: Array, weights: Array) -> tuple[Array, Array]:

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import approx_fprime, minimize
 from shapes import cap, cone, in_plane
 
 from bilayer import generate_mesh, paper_specimen
-from bilayer.sphere import fit_sphere
+from bilayer.sphere import _distance, _distance_slopes, fit_sphere
 from bilayer.surface import Surface
 
 
@@ -74,3 +74,11 @@ def test_triangles_count_by_their_area_not_by_their_number(mesh):
     even = fit_sphere(Surface(bumpy, mesh.triangles))
     uneven = fit_sphere(Surface(points, triangles))
     assert uneven.radius == pytest.approx(even.radius, rel=0.01)
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.3, -0.8])
+def test_slopes_of_the_distance_against_differences(curvature):
+    points = np.random.default_rng(0).normal(size=(5, 3))
+    unknowns = np.array([curvature, 0.2, 0.1, -0.3])
+    differences = approx_fprime(unknowns, lambda u: _distance(points, *u), 1e-7)
+    assert _distance_slopes(points, *unknowns) == pytest.approx(differences, abs=1e-5)
