@@ -164,18 +164,31 @@ def open_result(path: str | Path) -> xr.Dataset:
         with xr.open_dataset(path, engine="netcdf4") as stored:
             result = stored.load()
     except (OSError, ValueError, RuntimeError) as error:
-        reason = "no such file" if not Path(path).exists() else "not a NetCDF file"
-        raise InputError(f"result file {path}: cannot be read ({reason})") from error
+        raise InputError(
+            f"result file {path}: cannot be read ({_why_unreadable(Path(path))})"
+        ) from error
     if result.attrs.get("format") != FORMAT:
         raise InputError(
             f"result file {path}: format = {result.attrs.get('format')!r}, expected {FORMAT!r}"
         )
-    if result.attrs["schema_version"] > SCHEMA_VERSION:
-        raise InputError(
-            f"result file {path}: schema_version = {result.attrs['schema_version']}, "
-            f"expected at most {SCHEMA_VERSION}: made by a newer version of this package"
-        )
+    _check_schema(path, result.attrs.get("schema_version"))
     return result
+
+
+def _why_unreadable(path: Path) -> str:
+    if path.is_dir():
+        return "is a folder"
+    return "not a whole NetCDF file" if path.exists() else "no such file"
+
+
+def _check_schema(path: str | Path, found: Any) -> None:
+    field = f"result file {path}: schema_version = {found}"
+    if not isinstance(found, (int, np.integer)):
+        raise InputError(f"{field}, expected a whole number up to {SCHEMA_VERSION}")
+    if found > SCHEMA_VERSION:
+        raise InputError(
+            f"{field}, expected at most {SCHEMA_VERSION}: made by a newer version of this package"
+        )
 
 
 def result_specimen(result: xr.Dataset) -> Specimen:
