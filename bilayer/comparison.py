@@ -64,18 +64,17 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     here, there = _common_milestones(first, second)
     pair = [first.isel(prestretch=here), second.isel(prestretch=there)]
     distance = _distances(mesh, *(result["position"].values for result in pair))
-    compared = xr.concat(
-        [result[list(MEASURES)].drop_vars("xyz").reset_coords(drop=True) for result in pair],
-        dim="result",
-    ).assign_coords(pair[0].coords)
-    return compared.assign(
+    measures = [result[list(MEASURES)] for result in pair]
+    compared = xr.concat(measures, dim="result", join="override").assign(
         rms_distance=("prestretch", distance, {"units": "m", "long_name": "rms distance"}),
         rms_distance_over_radius=(
             "prestretch",
             distance / outer_radius(mesh),
             {"units": "1", "long_name": "rms distance over the flat disc's radius"},
         ),
-    ).assign_attrs(first=result_label(first), second=result_label(second))
+    )
+    compared.attrs = {"first": result_label(first), "second": result_label(second)}
+    return compared
 
 
 def comparison_table(comparison: xr.Dataset) -> str:

@@ -1,0 +1,47 @@
+"""How the figures look: fonts and lines for print, colours that a colour-blind reader can tell."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+MILLIMETRES = 1e3
+"""Millimetres in a metre: lengths are drawn in mm."""
+
+KIRIGAMI_COLOUR, BARE_COLOUR = "#4477AA", "#EEBB44"
+RESULT_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
+RESULT_MARKERS = ("o", "s", "^", "D", "v", "P")
+"""One per result, in their order (colours: Okabe and Ito 2008, Color universal design)."""
+
+_STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "axes.labelsize": 9,
+    "axes.titlesize": 9,
+    "legend.fontsize": 8,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "axes.linewidth": 0.7,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 5,
+    "axes.grid": False,
+    "grid.color": "0.85",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "svg.hashsalt": "bilayer",  # the same names of parts in every file
+}
+
+
+@contextmanager
+def print_style() -> Iterator[None]:
+    """Draw inside with the settings for print, whatever the user's own are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_STYLE)
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in inches that arranges its own panels."""
+    return Figure(figsize=(width, height), layout="constrained")

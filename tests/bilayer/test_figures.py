@@ -1,0 +1,177 @@
+"""The figures hold what they should, and their files are whole, repeatable and named well."""
+
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
+from results import cap_result, small_specimen
+
+from bilayer import ComputationError, InputError, result_mesh
+from bilayer.comparison import compare
+from bilayer.figure_style import BARE_COLOUR, KIRIGAMI_COLOUR
+from bilayer.figures import (
+    draw_birds_eye,
+    draw_comparison,
+    draw_isometric,
+    draw_mesh,
+    draw_quality,
+    draw_quality_against,
+    draw_shapes,
+    save_figure,
+)
+from bilayer.mesh_figure import BARE_EDGE, BILAYER_EDGE, bilayer_edges
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return cap_result(solver="fenics", model="mooney-rivlin")
+
+
+@pytest.fixture(scope="module")
+def stopped():
+    return cap_result(reached=1.065)
+
+
+def visible_axes(figure):
+    return [axes for axes in figure.get_axes() if axes.get_visible()]
+
+
+def texts(axes):
+    return [axes.get_title(), *(text.get_text() for text in axes.texts)]
+
+
+def test_an_edge_beside_kirigami_is_a_bilayer_edge(whole):
+    mesh = result_mesh(whole)
+    covered = {frozenset(edge) for t in mesh.triangles[mesh.region == 1]
+               for edge in (t[[0, 1]], t[[1, 2]], t[[2, 0]])}  # fmt: skip
+    expected = [frozenset(edge) in covered for edge in mesh.edges]
+    assert bilayer_edges(mesh).tolist() == expected
+    assert 0 < sum(expected) < len(expected)
+
+
+def test_the_mesh_has_each_edge_once_in_its_colour(whole):
+    mesh = result_mesh(whole)
+    (axes,) = draw_mesh(mesh).get_axes()
+    drawn = {
+        tuple(lines.get_colors()[0][:3]): len(lines.get_segments())
+        for lines in axes.collections
+        if isinstance(lines, LineCollection)
+    }
+    count = int(bilayer_edges(mesh).sum())
+    assert drawn == {to_rgb(BILAYER_EDGE): count, to_rgb(BARE_EDGE): len(mesh.edges) - count}
+
+
+@pytest.mark.parametrize("draw", [draw_isometric, draw_birds_eye])
+def test_a_panel_for_every_milestone_at_the_same_scale(stopped, draw):
+    panels = visible_axes(draw(stopped))
+    assert [axes.get_title() for axes in panels] == ["λ = 1.03", "λ = 1.06", "λ = 1.09"]
+    assert len({(axes.get_xlim(), axes.get_ylim(), axes.get_aspect()) for axes in panels}) == 1
+    assert "stopped at 1.065" in texts(panels[2])
+    assert not any("stopped" in text for axes in panels[:2] for text in texts(axes))
+
+
+def test_a_view_from_above_shows_the_body_frame_in_mm(whole):
+    axes = visible_axes(draw_birds_eye(whole))[0]
+    (triangles,) = (c for c in axes.collections if isinstance(c, PolyCollection))
+    corners = np.concatenate([path.vertices for path in triangles.get_paths()])
+    span = 1e3 * whole["span"].values[0, :2]
+    assert np.ptp(corners, axis=0) == pytest.approx(span, rel=1e-6)
+    hues = {int(np.argmax(colour[:3])) for colour in triangles.get_facecolor()}
+    assert hues == {int(np.argmax(to_rgb(c))) for c in (BARE_COLOUR, KIRIGAMI_COLOUR)}
+
+
+def test_both_views_of_a_result(whole):
+    assert len(visible_axes(draw_shapes(whole))) == 6
+
+
+def test_a_result_without_shapes_says_so():
+    nothing = cap_result(reached=1.01)
+    with pytest.raises(InputError, match="holds no shape"):
+        draw_shapes(nothing.drop_vars("last_position"))
+
+
+def test_quality_marks_what_was_not_reached(whole, stopped):
+    (axes,) = draw_quality([whole, stopped]).get_axes()
+    lines = {line.get_label(): line for line in axes.get_lines()}
+    assert lines["fenics mooney-rivlin"].get_ydata().tolist() == whole["quality"].values.tolist()
+    assert lines["dshell paper, not reached"].get_xdata().tolist() == [1.09]
+    assert "fenics mooney-rivlin, not reached" not in lines
+
+
+def test_quality_against_quality_names_each_point(whole, stopped):
+    (axes,) = draw_quality_against(stopped, whole).get_axes()
+    assert [text.get_text() for text in axes.texts] == ["1.03", "1.06"]
+    points = next(line for line in axes.get_lines() if "milestone" in line.get_label())
+    assert points.get_xdata()[:2] == pytest.approx(whole["quality"].values[:2])
+    assert points.get_ydata()[:2] == pytest.approx(stopped["quality"].values[:2])
+    assert axes.get_xlabel() == "quality of fenics mooney-rivlin"
+
+
+def test_a_comparison_is_drawn_from_its_dataset(whole):
+    comparison = compare(whole, cap_result(motion=lambda x: 1.02 * x))
+    distance, quality, height = draw_comparison(comparison).get_axes()
+    percent = 100 * comparison["rms_distance_over_radius"].values
+    assert distance.get_lines()[0].get_ydata() == pytest.approx(percent)
+    assert len(quality.get_lines()) == 2
+    assert height.get_lines()[1].get_ydata() == pytest.approx(1e3 * comparison["height"].values[1])
+
+
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_the_same_data_give_the_same_bytes(whole, tmp_path, ending):
+    for name in ("a", "b"):
+        save_figure(draw_quality([whole]), tmp_path / f"{name}.{ending}")
+    assert (tmp_path / f"a.{ending}").read_bytes() == (tmp_path / f"b.{ending}").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_picture_is_fine_enough_for_print(whole, tmp_path):
+    save_figure(draw_mesh(result_mesh(whole)), tmp_path / "mesh.png")
+    header = (tmp_path / "mesh.png").read_bytes()[16:24]
+    assert int.from_bytes(header[:4], "big") >= 900
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("figure.pgn", r"ending of figure .*'pgn'.*did you mean 'png'"),
+        ("figure", "has no ending"),
+        ("missing/figure.png", "the folder .* does not exist"),
+    ],
+)
+def test_names_that_cannot_be_written(whole, tmp_path, name, message):
+    with pytest.raises(InputError, match=message):
+        save_figure(draw_quality([whole]), tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_leaves_the_earlier_figure(whole, tmp_path, full_disk):
+    path = tmp_path / "figure.png"
+    save_figure(draw_quality([whole]), path)
+    earlier = path.read_bytes()
+    with full_disk(), pytest.raises(ComputationError, match=r"figure .*cannot be written"):
+        save_figure(draw_mesh(result_mesh(whole)), path)
+    assert path.read_bytes() == earlier
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_no_state_of_pyplot_is_touched(whole):
+    draw_shapes(whole)
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or pyplot.get_fignums() == []
+
+
+def test_the_users_own_style_does_not_matter(tmp_path, whole):
+    import matplotlib as mpl
+
+    save_figure(draw_quality([whole]), tmp_path / "a.png")
+    with mpl.rc_context({"font.size": 30, "axes.facecolor": "green"}):
+        save_figure(draw_quality([whole]), tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_many_milestones_fill_a_grid():
+    milestones = tuple(1.02 + 0.02 * k for k in range(6))
+    panels = visible_axes(draw_isometric(cap_result(small_specimen(milestones))))
+    assert len(panels) == 6
