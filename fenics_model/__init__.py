@@ -1,0 +1,76 @@
+"""The 3D finite-element model of a bilayer: mixed displacement-pressure, hyperelastic, released.
+
+The planar mesh is extruded through both layers, the substrate's prestretch is its natural state,
+and Newton's method follows the equilibria while it grows. dolfinx is loaded by `solve` alone.
+"""
+
+from typing import Any
+
+import xarray as xr
+
+from bilayer.errors import ComputationError
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.solvers import Progress
+from bilayer.specimen import Specimen
+from fenics_model.settings import SolidSettings
+
+MODELS = {"solid": SolidSettings}
+
+BYTES_PER_TRIANGLE = 400_000
+"""Memory of the matrix and its factors, one element through each layer."""
+
+__all__ = ["BYTES_PER_TRIANGLE", "MODELS", "SolidSettings", "solve"]
+
+
+def solve(
+    specimen: Specimen,
+    settings: SolidSettings | None = None,
+    *,
+    mesh: PlanarMesh | None = None,
+    start: xr.Dataset | None = None,
+    comm: Any = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Compute the released shapes of a specimen with the finite-element model.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        What to release. Its weight, if any, is a dead load along -z that the held points carry
+        (nearly all of it the centre node).
+    settings : SolidSettings, optional
+        The defaults where left out.
+    mesh : PlanarMesh, optional
+        The planar mesh; made from the specimen where left out.
+    start : Dataset, optional
+        A result on the same planar mesh, from any solver: its shape nearest to the first milestone
+        starts the first milestone. Where that does not converge, the load path starts flat.
+    comm : mpi4py.MPI.Comm, optional
+        The ranks that share the model; COMM_WORLD where left out. All call with the same
+        arguments and get the same dataset; the mesh is that of the first rank.
+    progress : callable, optional
+        Called on the first rank, see `bilayer.solvers.Progress`.
+
+    Returns
+    -------
+    Dataset
+        See `bilayer.result`; with the volume mesh and its positions as further variables.
+
+    Raises
+    ------
+    ComputationError
+        dolfinx is not there, or gmsh fails.
+    InputError
+        `start` is on another mesh, or the model does not fit into memory.
+    """
+    try:
+        import dolfinx.fem.petsc  # noqa: F401
+    except ImportError as error:
+        raise ComputationError(
+            f"the finite-element model needs dolfinx with PETSc ({error}): run inside scripts/env, "
+            "or install it (on Debian 13 and later: apt install python3-dolfinx)"
+        ) from error
+    from fenics_model.release import release
+
+    chosen = SolidSettings() if settings is None else settings
+    return release(specimen, chosen, mesh=mesh, start=start, comm=comm, progress=progress)

@@ -1,0 +1,144 @@
+"""The solid of a specimen: its two layers extruded, with natural states, loads and held points."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type, fem
+from mpi4py import MPI
+
+from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
+from bilayer.specimen import Layer, Specimen
+from fenics_model.layered_mesh import LayeredMesh
+from fenics_model.release_path import ReleasePath
+from fenics_model.settings import SolidSettings
+from fenics_model.solid import Solid, SolidLayer
+from fenics_model.strain_energy import StrainEnergy, energy_constants
+from fenics_model.volume_mesh import Slab, VolumeMesh, extrude
+
+SUBSTRATE = 0
+LAYER_NAMES = ("substrate", "kirigami")
+
+
+@dataclass(frozen=True)
+class BilayerSolid:
+    """A specimen as a solid, and what of it changes along the load path.
+
+    Parameters
+    ----------
+    solid : Solid
+        The layers.
+    path : ReleasePath
+        From flat through the milestones.
+    thickness_rule : {"natural", "constant"}
+        With which thickness the substrate is drawn, see `natural_state`.
+    gravity, imperfection : float
+        Accelerations at their full values, m/s2.
+    weight, saddle : dolfinx Constant
+        The accelerations that act now.
+    """
+
+    solid: Solid
+    path: ReleasePath
+    thickness_rule: str
+    gravity: float
+    imperfection: float
+    weight: fem.Constant
+    saddle: fem.Constant
+
+    def load(self, parameter: float) -> None:
+        """Set natural state and loads for a parameter of the path."""
+        stretch = self.path.stretch(parameter)
+        self.solid.layers[SUBSTRATE].natural.value = natural_state(stretch, self.thickness_rule)
+        self.weight.value = self.gravity * self.path.weight_fraction(parameter)
+        self.saddle.value = self.imperfection * self.path.imperfection_fraction(parameter)
+
+
+def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
+    """Return (lx, ly, s) of the stretched substrate, see `strain_energy`.
+
+    Drawn with its natural thickness ("natural"), the mesh is stretched in plane alone, s = 1. Drawn
+    with its bonded thickness ("constant"), it also has the thinning, s = 1 / (lx ly).
+    """
+    x, y = stretch
+    return (x, y, 1.0) if thickness_rule == "natural" else (x, y, 1 / (x * y))
+
+
+def bilayer_solid(
+    specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings, comm: MPI.Comm
+) -> BilayerSolid:
+    """Build the solid of a specimen on a planar mesh.
+
+    Both ways of drawing the substrate have the specimen's `substrate.thickness`: it is the natural
+    thickness by one rule and the bonded one by the other.
+    """
+    layered = LayeredMesh(extruded(specimen, mesh, settings), comm)
+    weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
+    acceleration = -weight + saddle * _saddle_shape(layered, specimen.outer_radius)
+    layers = [
+        _solid_layer(layered, layer, acceleration)
+        for layer in (specimen.substrate, specimen.kirigami)
+    ]
+    solid = Solid(
+        layered,
+        layers,
+        pressure_scale=specimen.substrate.material.shear_modulus / specimen.substrate.thickness,
+        quadrature_degree=settings.quadrature_degree,
+    )
+    return BilayerSolid(
+        solid,
+        ReleasePath(specimen.prestretch.milestones),
+        specimen.prestretch.thickness,
+        specimen.gravity,
+        settings.imperfection,
+        weight,
+        saddle,
+    )
+
+
+def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+    """Extrude the planar mesh: the substrate everywhere, the kirigami layer where it is not cut."""
+    covered = mesh.triangles[mesh.region == KIRIGAMI]
+    substrate = Slab(specimen.substrate.thickness, settings.substrate_elements, mesh.triangles)
+    kirigami = Slab(specimen.kirigami.thickness, settings.kirigami_elements, covered)
+    return extrude(mesh, [substrate, kirigami] if len(covered) else [substrate])
+
+
+def held_points(mesh: PlanarMesh, volume: VolumeMesh) -> list[tuple[int, int]]:
+    """Choose six vertex components that take away the rigid motion and nothing else.
+
+    The centre node is held in x, y and z, a far node along x in y and z, and the node that spans
+    the largest triangle with these two in z. Under loads in balance their reactions vanish.
+    """
+    centre = mesh.centre_node
+    arms = mesh.points - mesh.points[centre]
+    far = int(np.argmax(arms[:, 0]))
+    side = int(np.argmax(np.abs(arms[far, 0] * arms[:, 1] - arms[far, 1] * arms[:, 0])))
+    a, b, c = volume.interface[[centre, far, side]]
+    return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
+
+
+def _solid_layer(mesh: LayeredMesh, layer: Layer, acceleration: Any) -> SolidLayer:
+    natural = _constant(mesh, (1.0, 1.0, 1.0))
+    # det G volumes of mesh hold one natural volume, which is what the density is for
+    mass = _constant(mesh, layer.density) / (natural[0] * natural[1] * natural[2])
+    force = ufl.as_vector((0, 0, mass * acceleration))
+    return SolidLayer(strain_energy(mesh, layer), natural, force)
+
+
+def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:
+    """Return the energy of a layer, its constants free to change without compiling anew."""
+    kind, values = energy_constants(layer.material)
+    energy: StrainEnergy = kind(**{name: _constant(mesh, v) for name, v in values.items()})
+    return energy
+
+
+def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:
+    return fem.Constant(mesh.mesh, np.asarray(value, dtype=default_scalar_type))
+
+
+def _saddle_shape(mesh: LayeredMesh, radius: float) -> Any:
+    """(X^2 - Y^2) / R^2: a load that is in balance with itself on a disc."""
+    X = ufl.SpatialCoordinate(mesh.mesh)
+    return (X[0] ** 2 - X[1] ** 2) / radius**2

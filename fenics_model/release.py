@@ -1,0 +1,252 @@
+"""The release of a specimen: from its solid through the milestones to the dataset."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import basix
+import dolfinx
+import numpy as np
+import xarray as xr
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from bilayer.errors import BilayerError
+from bilayer.mesh_generation import check_memory, generate_mesh
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
+from bilayer.solvers import Progress
+from bilayer.specimen import Specimen
+from fenics_model import BYTES_PER_TRIANGLE, MODELS
+from fenics_model.bilayer_solid import LAYER_NAMES, BilayerSolid, bilayer_solid, held_points
+from fenics_model.continuation import (
+    Equilibrium,
+    PathError,
+    Tolerances,
+    equilibrate,
+    follow,
+)
+from fenics_model.newton import Newton
+from fenics_model.settings import SolidSettings
+from fenics_model.shell_start import extrude_shape, starting_shape
+from fenics_model.stability import unstable_modes
+from fenics_model.step_control import StepControl
+from fenics_model.volume_fields import volume_dataset
+
+
+def release(
+    specimen: Specimen,
+    settings: SolidSettings,
+    *,
+    mesh: PlanarMesh | None,
+    start: xr.Dataset | None,
+    comm: MPI.Comm | None,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """Do what `fenics_model.solve` says."""
+    comm = MPI.COMM_WORLD if comm is None else comm
+    mesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen))
+    body = bilayer_solid(specimen, mesh, settings, comm)
+    run = Release(specimen, mesh, body, settings, progress if comm.rank == 0 else None)
+    if start is not None:
+        run.start_from(starting_shape(start, mesh, specimen.prestretch.nominal[0]))
+    stop_reason = run.follow()
+    states, positions, stop_reason = comm.bcast((run.states, run.positions, stop_reason))
+    return build_result(
+        specimen,
+        mesh,
+        states,
+        solver="fenics",
+        model=next(iter(MODELS)),
+        settings=settings,
+        versions=versions(),
+        stop_reason=stop_reason,
+        extra=volume_dataset(body.solid.mesh.volume, positions, len(body.path.milestones)),
+    )
+
+
+class Release:
+    """One run: follows the load path of a specimen's solid and keeps what its milestones are.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        Whose milestones.
+    mesh : PlanarMesh
+        The planar mesh of the solid.
+    body : BilayerSolid
+        The solid.
+    settings : SolidSettings
+        Steps and tolerances.
+    progress : callable or None
+        Told of every load step.
+
+    Attributes
+    ----------
+    states : list of MilestoneState
+        Of the milestones so far.
+    positions : list of (v, 3) array of float
+        Vertices of the volume mesh at the milestones that were reached, m.
+    """
+
+    def __init__(
+        self,
+        specimen: Specimen,
+        mesh: PlanarMesh,
+        body: BilayerSolid,
+        settings: SolidSettings,
+        progress: Progress | None,
+    ) -> None:
+        self._nominal = specimen.prestretch.nominal
+        self._mesh, self._body = mesh, body
+        self._settings, self._progress = settings, progress
+        solid = body.solid
+        self._newton = Newton(
+            solid.residual,
+            solid.tangent,
+            solid.state,
+            [*solid.absent_pressures(), *solid.held_points(held_points(mesh, solid.mesh.volume))],
+            iteration_limit=settings.iteration_limit,
+            options=settings.petsc_options,
+        )
+        self._tolerances = Tolerances(settings.tolerance, settings.path_tolerance)
+        self.states: list[MilestoneState] = []
+        self.positions: list[NDArray[np.float64]] = []
+        self._tally = _Tally()
+
+    def start_from(self, shape: NDArray[np.float64]) -> None:
+        """Reach the first milestone from the shape of another result; if that fails, stay flat.
+
+        Parameters
+        ----------
+        shape : (n, 3) array of float
+            The bonded interface near the first milestone, m.
+        """
+        values = self._body.solid.state.x.array
+        first = self._body.path.milestones[0]
+        self._body.load(first)
+        extrude_shape(self._body.solid, self._mesh, shape)
+        outcome, relative = equilibrate(self._newton, values.copy(), self._tolerances.milestone)
+        if outcome.converged:
+            self._note(Equilibrium(first, 0, outcome.iterations, relative, outcome.correction))
+        else:
+            self._tally.iterations += outcome.iterations
+            values[:] = 0.0
+
+    def follow(self) -> str:
+        """Follow the path through the milestones that are left; return why it stopped, if so."""
+        path, settings = self._body.path, self._settings
+        control = StepControl(
+            settings.first_step,
+            settings.smallest_step,
+            settings.largest_step,
+            settings.target_iterations,
+        )
+        begin = path.milestones[len(self.states) - 1] if self.states else 0.0
+        equilibria = follow(
+            self._newton, self._body.load, path.milestones, control, self._tolerances, begin
+        )
+        try:
+            for equilibrium in equilibria:
+                self._note(equilibrium)
+        except PathError as stopped:
+            return self._note_failure(stopped)
+        finally:
+            self._newton.destroy()
+        return ""
+
+    def _note(self, equilibrium: Equilibrium) -> None:
+        self._tally.add(equilibrium)
+        self._report(equilibrium.parameter)
+        if equilibrium.milestone is None:
+            return
+        solid = self._body.solid
+        self.positions.append(solid.mesh.volume.points + solid.vertex_displacements())
+        self.states.append(
+            self._state(
+                converged=True,
+                reached=self._nominal[equilibrium.milestone],
+                residual=equilibrium.residual,
+                unstable=unstable_modes(self._newton, solid.number_of_pressures),
+            )
+        )
+        self._tally = _Tally()
+
+    def _note_failure(self, stopped: PathError) -> str:
+        """Keep the last equilibrium as the state of the milestone that was not reached."""
+        self._tally.iterations += stopped.iterations
+        reached = max(self._body.path.stretch(stopped.parameter))
+        self.states.append(
+            self._state(
+                converged=False, reached=reached, residual=math.nan, unstable=UNKNOWN_STABILITY
+            )
+        )
+        return f"stopped at prestretch {reached:.6g}: {stopped}"
+
+    def _state(
+        self, *, converged: bool, reached: float, residual: float, unstable: int
+    ) -> MilestoneState:
+        solid = self._body.solid
+        volume = solid.mesh.volume
+        position = (volume.points + solid.vertex_displacements())[volume.interface]
+        names = LAYER_NAMES[: len(solid.layers)]
+        return MilestoneState(
+            position,
+            converged,
+            reached,
+            energy={name: solid.layer_energy(layer) for layer, name in enumerate(names)},
+            iterations=self._tally.iterations,
+            load_steps=self._tally.load_steps,
+            residual=residual,
+            wall_time=time.perf_counter() - self._tally.since,
+            unstable_modes=unstable,
+        )
+
+    def _report(self, parameter: float) -> None:
+        if self._progress is not None:
+            stretch = max(self._body.path.stretch(parameter))
+            self._progress(parameter / self._body.path.milestones[-1], f"prestretch {stretch:.4f}")
+
+
+@dataclass
+class _Tally:
+    """What was spent since the last milestone."""
+
+    iterations: int = 0
+    load_steps: int = 0
+    since: float = field(default_factory=time.perf_counter)
+
+    def add(self, equilibrium: Equilibrium) -> None:
+        self.iterations += equilibrium.iterations
+        self.load_steps += 1
+
+
+def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:
+    """Return on every rank what `make` gives, or raise what it raises, on the first."""
+    made: Any = None
+    if comm.rank == 0:
+        try:
+            made = make()
+        except BilayerError as error:
+            made = error
+    made = comm.bcast(made)
+    if isinstance(made, BilayerError):
+        raise made
+    return made
+
+
+def _checked_mesh(specimen: Specimen) -> PlanarMesh:
+    check_memory(specimen, BYTES_PER_TRIANGLE, "the finite-element model")
+    return generate_mesh(specimen)
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computes here."""
+    return {
+        "dolfinx": dolfinx.__version__,
+        "basix": basix.__version__,
+        "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
+    }

@@ -1,0 +1,46 @@
+"""The load path: from the unstretched flat state through the milestones of the prestretch.
+
+Its parameter is the change of prestretch along the path. The true weight grows to its full value
+on the way to the first milestone, and the symmetry-breaking load vanishes there, so every
+milestone is an equilibrium of the specimen as it is.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+SHORTEST_FIRST_STRETCH = 1e-3
+
+
+class ReleasePath:
+    """Piecewise linear path of (lambda_x, lambda_y) from (1, 1) through the milestones.
+
+    Parameters
+    ----------
+    milestones : sequence of (float, float)
+        Prestretch at each milestone.
+    """
+
+    def __init__(self, milestones: Sequence[tuple[float, float]]) -> None:
+        self._stretches = np.array([(1.0, 1.0), *milestones])
+        lengths = np.abs(np.diff(self._stretches, axis=0)).max(axis=1)
+        lengths[0] = max(lengths[0], SHORTEST_FIRST_STRETCH)  # a way to bring the weight on
+        self._ends = np.concatenate([[0.0], np.cumsum(lengths)])
+
+    @property
+    def milestones(self) -> list[float]:
+        """Path parameter of each milestone."""
+        return [float(end) for end in self._ends[1:]]
+
+    def stretch(self, parameter: float) -> tuple[float, float]:
+        """(lambda_x, lambda_y) at a parameter."""
+        x, y = (np.interp(parameter, self._ends, component) for component in self._stretches.T)
+        return float(x), float(y)
+
+    def weight_fraction(self, parameter: float) -> float:
+        """Part of the true weight that acts: grows from 0 to 1 at the first milestone."""
+        return min(1.0, parameter / self._ends[1])
+
+    def imperfection_fraction(self, parameter: float) -> float:
+        """Part of the symmetry-breaking load that acts: falls to 0 at the first milestone."""
+        return 1.0 - self.weight_fraction(parameter)

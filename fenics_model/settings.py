@@ -1,0 +1,52 @@
+"""Settings of the finite-element model, with their defaults."""
+
+from dataclasses import dataclass
+
+from bilayer.settings import documented
+from bilayer.validation import finite, positive, whole
+
+
+@dataclass(frozen=True)
+class SolidSettings:
+    """How the layered solid is discretised and how its load path is followed.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range.
+    """
+
+    substrate_elements: int = documented(1, "elements through the substrate")
+    kirigami_elements: int = documented(1, "elements through the kirigami layer")
+    quadrature_degree: int = documented(4, "polynomial degree that the quadrature integrates")
+    first_step: float = documented(0.001, "first load step, as a change of the prestretch [1]")
+    smallest_step: float = documented(
+        1e-4, "where a failing load step is no longer cut back but given up [1]"
+    )
+    largest_step: float = documented(0.05, "largest load step [1]")
+    target_iterations: int = documented(
+        6, "Newton iterations that a load step should take; its size grows or shrinks toward this"
+    )
+    iteration_limit: int = documented(12, "Newton iterations after which a load step has failed")
+    tolerance: float = documented(
+        1e-10, "residual at a milestone, relative to the flat state's [1]"
+    )
+    path_tolerance: float = documented(
+        1e-4, "residual at the load steps between milestones, relative to the flat state's [1]"
+    )
+    imperfection: float = documented(
+        0.1,
+        "saddle-shaped vertical load that breaks the symmetry, acceleration at the rim, "
+        "gone at the first milestone [m/s2]",
+    )
+    petsc_options: str = documented(
+        "", "further PETSc options, such as '-bilayer_snes_monitor'; their prefix is bilayer_"
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("substrate_elements", "kirigami_elements", "quadrature_degree",
+                     "target_iterations", "iteration_limit"):  # fmt: skip
+            whole(f"solver.{name}", getattr(self, name), at_least=1)
+        for name in ("first_step", "smallest_step", "largest_step", "tolerance", "path_tolerance"):
+            positive(f"solver.{name}", getattr(self, name))
+        finite("solver.imperfection", self.imperfection)

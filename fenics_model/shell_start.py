@@ -1,0 +1,157 @@
+"""A first guess of the solid's state from the shape of another result on the same planar mesh.
+
+The bonded interface is extruded along its normals, each fibre shortened by what the surface has
+stretched (the layers keep their volume), and the pressures are those of a plane stress state.
+"""
+
+import numpy as np
+import ufl
+import xarray as xr
+from dolfinx import fem, la
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.result import result_mesh
+from fenics_model.jit import JIT_OPTIONS
+from fenics_model.solid import Solid
+
+_EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
+
+
+def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> NDArray[np.float64]:
+    """Return the shape of a result at its milestone nearest to a prestretch.
+
+    Returns
+    -------
+    (n, 3) array of float
+        The bonded interface, m.
+
+    Raises
+    ------
+    InputError
+        The result is on another planar mesh, or reached no milestone.
+    """
+    if not result_mesh(start).same_as(mesh):
+        raise InputError(
+            f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
+            f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
+        )
+    reached = start.isel(prestretch=np.flatnonzero(start["converged"].values == 1))
+    if reached.sizes["prestretch"] == 0:
+        raise InputError("start: has no converged milestone, expected at least one")
+    shape: NDArray[np.float64] = (
+        reached["position"].sel(prestretch=prestretch, method="nearest").values
+    )
+    return shape
+
+
+def extrude_shape(solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
+    """Set the solid's state to a shape of its interface, with the natural states of the moment.
+
+    Parameters
+    ----------
+    solid : Solid
+        Made of an extrusion of `mesh`.
+    mesh : PlanarMesh
+        The planar mesh.
+    shape : (n, 3) array of float
+        The deformed interface on its nodes, m.
+    """
+    fibres = _Fibres(solid, mesh, shape)
+    corners = solid.mesh.cell_vertices
+    ends = corners[:, _EDGES]
+    flat = solid.mesh.volume.points
+    moved = np.concatenate(
+        [
+            fibres.at_vertices(corners) - flat[corners],
+            fibres.at_midpoints(ends) - flat[ends].mean(axis=2),
+        ],
+        axis=1,
+    )
+    for axis in range(3):
+        solid.state.x.array[solid.component(axis).dofmap.list] = moved[:, :, axis]
+    _set_plane_stress(solid)
+
+
+class _Fibres:
+    """The normals of the deformed interface, along which the layers' vertices lie."""
+
+    def __init__(self, solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
+        volume = solid.mesh.volume
+        self._surface = shape
+        self._normal, area_stretch = _normals_and_stretch(mesh, shape)
+        self._node = np.empty(len(volume.points), dtype=np.int64)
+        _, nodes = np.nonzero(volume.vertex_at >= 0)
+        self._node[volume.vertex_at[volume.vertex_at >= 0]] = nodes
+        ratios = [1 / np.prod(layer.natural.value) for layer in solid.layers]  # bonded over drawn
+        z = volume.points[:, 2]
+        bonded = z * np.where(z < 0, ratios[0], ratios[-1])
+        self._offset = bonded / area_stretch[self._node]
+
+    def at_vertices(self, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Deformed positions of vertices, m."""
+        node = self._node[vertices]
+        return self._surface[node] + self._offset[vertices][..., None] * self._normal[node]
+
+    def at_midpoints(self, ends: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Deformed positions of the middles of edges, m, by cubic Hermite interpolation."""
+        a, b = self._node[ends[..., 0]], self._node[ends[..., 1]]
+        chord = self._surface[b] - self._surface[a]
+        bulge = _along(chord, self._normal[b]) - _along(chord, self._normal[a])
+        normal = self._normal[a] + self._normal[b]
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        offset = self._offset[ends].mean(axis=-1)[..., None]
+        return (self._surface[a] + self._surface[b]) / 2 + bulge / 8 + offset * normal
+
+
+def _along(vector: NDArray[np.float64], unit: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.sum(vector * unit, axis=-1, keepdims=True) * unit
+
+
+def _normals_and_stretch(
+    mesh: PlanarMesh, shape: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Area-weighted normals (n, 3) and deformed over flat area (n,) at the nodes."""
+    a, b, c = np.moveaxis(shape[mesh.triangles], 1, 0)
+    doubled = np.cross(b - a, c - a)
+    vectors, after, before = np.zeros_like(shape), np.zeros(len(shape)), np.zeros(len(shape))
+    for corner in mesh.triangles.T:
+        np.add.at(vectors, corner, doubled)
+        np.add.at(after, corner, np.linalg.norm(doubled, axis=1) / 2)
+        np.add.at(before, corner, mesh.areas)
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True), after / before
+
+
+def _set_plane_stress(solid: Solid) -> None:
+    """Set each layer's pressure so that the fibre's own traction vanishes, averaged at vertices.
+
+    The stress is linear in the pressure, P = P0 + p P1; along the fibre g = grad(x) e_z the
+    condition g . P e_z = 0 gives p = -(g . P0 e_z) / (g . P1 e_z).
+    """
+    weights = ufl.TestFunctions(solid.space)[1:]
+    sums = [0, 0]
+    for index, (layer, weight) in enumerate(zip(solid.layers, weights, strict=True)):
+        gradient = ufl.variable(solid.gradient)
+        fibre = gradient[:, 2]
+        tractions = [
+            ufl.dot(
+                fibre, ufl.diff(layer.energy.density(gradient, layer.natural, p), gradient)[:, 2]
+            )
+            for p in (0, 1)
+        ]
+        pressure = -tractions[0] / (tractions[1] - tractions[0]) / solid.pressure_scale
+        sums[0] += pressure * weight * solid.dx(index)
+        sums[1] += weight * solid.dx(index)
+    summed, weighed = (_assembled(form) for form in sums)
+    there = weighed > 0
+    solid.state.x.array[there] = summed[there] / weighed[there]
+    solid.state.x.scatter_forward()
+
+
+def _assembled(integral: object) -> NDArray[np.float64]:
+    form = fem.form(integral, jit_options=JIT_OPTIONS)
+    vector = fem.assemble_vector(form)
+    vector.scatter_reverse(la.InsertMode.add)
+    vector.scatter_forward()
+    return vector.array
