@@ -119,6 +119,7 @@ def build_result(
         attrs={
             "Conventions": "CF-1.11 UGRID-1.0",
             "title": f"Released shape of the bilayer {specimen.name!r}",
+            "history": f"computed by {solver}, model {model}",
             "format": FORMAT,
             "schema_version": SCHEMA_VERSION,
             "solver": solver,
@@ -143,13 +144,14 @@ def write_result(result: xr.Dataset, path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk; an earlier file of that name stays as it was.
     """
-    packed = {
+    packed: dict[Any, dict[str, Any]] = {
         name: {"zlib": True, "complevel": 4}
         for name, variable in result.variables.items()
         if variable.dtype.kind == "f" and variable.ndim > 1
     }
+    without_gaps = {name: {"_FillValue": None} for name in result.coords}  # CF, section 2.5.1
     with whole_file(path, "result file") as partial:
-        result.to_netcdf(partial, engine="netcdf4", encoding=packed)
+        result.to_netcdf(partial, engine="netcdf4", encoding=packed | without_gaps)
 
 
 def open_result(path: str | Path) -> xr.Dataset:

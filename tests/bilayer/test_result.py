@@ -116,6 +116,13 @@ def test_the_mesh_topology_names_variables_that_are_there(result):
     assert result["face_nodes"].values.max() == result.sizes["node"] - 1
 
 
+def test_coordinates_have_no_gaps_and_so_no_fill_value(result, tmp_path):
+    write_result(result, tmp_path / "result.nc")
+    with xr.open_dataset(tmp_path / "result.nc", decode_cf=False) as raw:
+        assert "_FillValue" not in raw["prestretch"].attrs
+        assert "_FillValue" in raw["position"].attrs
+
+
 def test_a_newer_schema_is_refused(result, tmp_path):
     write_result(result.assign_attrs(schema_version=2), tmp_path / "newer.nc")
     with pytest.raises(InputError, match=r"schema_version = 2, .* at most 1: .*newer version"):
