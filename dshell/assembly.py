@@ -58,11 +58,12 @@ class Assembly:
     ) -> None:
         self.node_count = node_count
         self.free_nodes = np.setdiff1d(np.arange(node_count), held_nodes)
-        self._stencil_dofs = [_dofs(nodes) for nodes in stencils]
+        stencil_dofs = [_dofs(nodes) for nodes in stencils]
+        self._dofs = np.concatenate([dofs.reshape(-1) for dofs in stencil_dofs])
         size = 3 * len(self.free_nodes)
         number = np.full(3 * node_count, -1)
         number[_dofs(self.free_nodes[:, None]).reshape(-1)] = np.arange(size)
-        entries = [_entries(number[dofs], size) for dofs in self._stencil_dofs]
+        entries = [_entries(number[dofs], size) for dofs in stencil_dofs]
         diagonal = np.arange(size) * (size + 1)
         # the entries of held nodes are numbered past the last: they end in a slot of their own
         pattern, slots = np.unique(np.concatenate([diagonal, *entries]), return_inverse=True)
@@ -72,15 +73,10 @@ class Assembly:
         columns, self._rows = np.divmod(pattern[:stored], max(size, 1))
         self._column_starts = np.searchsorted(columns, np.arange(size + 1))
 
-    def energy(self, energies: Sequence[Energy], positions: Array) -> dict[str, float]:
-        """Return the total of each energy by its name, J, at positions of shape (nodes, 3)."""
-        return {term.name: float(term.energy(positions[term.nodes]).sum()) for term in energies}
-
     def gradient(self, energies: Sequence[Energy], positions: Array) -> Array:
         """Return the derivative of the energies by all positions, N, shape (nodes, 3)."""
-        dofs = np.concatenate([stencil.reshape(-1) for stencil in self._stencil_dofs])
         parts = [term.gradient(positions[term.nodes]).reshape(-1) for term in energies]
-        total = np.bincount(dofs, np.concatenate(parts), minlength=3 * self.node_count)
+        total = np.bincount(self._dofs, np.concatenate(parts), minlength=3 * self.node_count)
         return total.reshape(-1, 3).astype(np.float64, copy=False)
 
     def hessian(
@@ -106,9 +102,14 @@ class Assembly:
         return csc_matrix((data, self._rows, self._column_starts), shape=(size, size))
 
 
+def total_energies(energies: Sequence[Energy], positions: Array) -> dict[str, float]:
+    """Return the total of each energy by its name, J, at positions of shape (nodes, 3)."""
+    return {term.name: float(term.energy(positions[term.nodes]).sum()) for term in energies}
+
+
 def _dofs(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Degrees of freedom of each element, shape (n, 3k), of all nodes."""
-    return (3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), -1)
+    return (3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), 3 * nodes.shape[1])
 
 
 def _entries(dofs: NDArray[np.int64], size: int) -> NDArray[np.int64]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
 from bilayer.result import MilestoneState
 from bilayer.specimen import Specimen
+from dshell.assembly import total_energies
 from dshell.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
 from dshell.interface import bonded_interface
 from dshell.paper_rest_state import Ramp, rest_state
@@ -146,7 +147,7 @@ def force_scale(specimen: Specimen, thickness: float) -> float:
 
 def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
     """Return the energies at one time, J; the kinetic one tells how far from rest the shape is."""
-    elastic = body.assembly().energy(body.energies(motion.time), motion.position)
+    elastic = total_energies(body.energies(motion.time), motion.position)
     return {**elastic, "kinetic": float(0.5 * body.masses @ (motion.velocity**2).sum(axis=1))}
 
 

@@ -23,7 +23,7 @@ class PaperSettings:
     )
     time_step: float = documented(0.002, "time step of implicit Euler [s]")
     gravity: float = documented(
-        1.0, "symmetry-breaking acceleration along -z at the start, tapered to 0 at the end [m/s2]"
+        0.3, "symmetry-breaking acceleration along -z at the start, tapered to 0 at the end [m/s2]"
     )
     damping_rate: float = documented(10.0, "viscous force per mass and velocity [1/s]")
     tolerance: float = documented(

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dshell.assembly import Assembly
+from dshell.assembly import Assembly, total_energies
 from dshell.edge_springs import EdgeSprings
 from dshell.hinges import Hinges
 from dshell.topology import Topology
@@ -80,7 +80,7 @@ def test_pattern_is_fixed_and_holds_the_diagonal(shell):
 
 def test_energy_by_name(shell):
     energies, positions = shell
-    totals = assembly_of(energies, positions).energy(energies, positions)
+    totals = total_energies(energies, positions)
     expected = {term.name: term.energy(positions[term.nodes]).sum() for term in energies}
     assert totals == pytest.approx(expected)
     assert set(totals) == {"stretching", "bending"}
