@@ -2,7 +2,7 @@
 
 The middle surface is the bonded interface on the planar mesh. The volume, where a solver kept it,
 is read from `volume_position` (prestretch, volume_node, xyz), `volume_reference_position`,
-`volume_cells` (volume_cell, volume_corner: tetrahedra) and `volume_layer` (volume_cell:
+`volume_cells` (volume_cell, vertex: tetrahedra) and `layer` (volume_cell:
 0 substrate, 1 kirigami).
 """
 
@@ -103,7 +103,7 @@ def _volume(shape: xr.Dataset) -> meshio.Mesh:
         shape["volume_reference_position"].values,
         shape["volume_position"].values,
         ("tetra", shape["volume_cells"].values),
-        {"layer": [shape["volume_layer"].values.astype(np.int32)]},
+        {"layer": [shape["layer"].values.astype(np.int32)]},
     )
 
 

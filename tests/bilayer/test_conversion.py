@@ -48,8 +48,8 @@ def with_volume(result):
             {
                 "volume_position": (("prestretch", "volume_node", "xyz"), below),
                 "volume_reference_position": (("volume_node", "xyz"), flat),
-                "volume_cells": (("volume_cell", "volume_corner"), cells),
-                "volume_layer": ("volume_cell", np.zeros(len(cells), dtype=np.int32)),
+                "volume_cells": (("volume_cell", "vertex"), cells),
+                "layer": ("volume_cell", np.zeros(len(cells), dtype=np.int32)),
             }
         )
     )
