@@ -7,6 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from results import cap_result, small_specimen
+from scipy.spatial.transform import Rotation
 
 from bilayer import ComputationError, InputError, result_mesh
 from bilayer.comparison import compare
@@ -72,11 +73,12 @@ def test_a_panel_for_every_milestone_at_the_same_scale(stopped, draw):
     assert not any("stopped" in text for axes in panels[:2] for text in texts(axes))
 
 
-def test_a_view_from_above_shows_the_body_frame_in_mm(whole):
-    axes = visible_axes(draw_birds_eye(whole))[0]
+def test_a_view_from_above_shows_the_body_frame_in_mm():
+    tilted = cap_result(motion=Rotation.from_rotvec([1.0, 0.5, 0.0]).apply)
+    axes = visible_axes(draw_birds_eye(tilted))[0]
     (triangles,) = (c for c in axes.collections if isinstance(c, PolyCollection))
     corners = np.concatenate([path.vertices for path in triangles.get_paths()])
-    span = 1e3 * whole["span"].values[0, :2]
+    span = 1e3 * tilted["span"].values[0, :2]
     assert np.ptp(corners, axis=0) == pytest.approx(span, rel=1e-6)
     hues = {int(np.argmax(colour[:3])) for colour in triangles.get_facecolor()}
     assert hues == {int(np.argmax(to_rgb(c))) for c in (BARE_COLOUR, KIRIGAMI_COLOUR)}
