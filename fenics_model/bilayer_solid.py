@@ -105,17 +105,22 @@ def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> V
     return extrude(mesh, [substrate, kirigami] if len(covered) else [substrate])
 
 
-def held_points(mesh: PlanarMesh, volume: VolumeMesh) -> list[tuple[int, int]]:
-    """Choose six vertex components that take away the rigid motion and nothing else.
-
-    The centre node is held in x, y and z, a far node along x in y and z, and the node that spans
-    the largest triangle with these two in z. Under loads in balance their reactions vanish.
-    """
+def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
+    """Return the nodes that are held: the centre, a far one along x, one that spans the most."""
     centre = mesh.centre_node
     arms = mesh.points - mesh.points[centre]
     far = int(np.argmax(arms[:, 0]))
     side = int(np.argmax(np.abs(arms[far, 0] * arms[:, 1] - arms[far, 1] * arms[:, 0])))
-    a, b, c = volume.interface[[centre, far, side]]
+    return centre, far, side
+
+
+def held_points(mesh: PlanarMesh, volume: VolumeMesh) -> list[tuple[int, int]]:
+    """Choose six vertex components that take away the rigid motion and nothing else.
+
+    The centre node is held in x, y and z, the far one in y and z, the third in z, all at the
+    interface. Under loads in balance their reactions vanish.
+    """
+    a, b, c = volume.interface[list(held_nodes(mesh))]
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
 
 

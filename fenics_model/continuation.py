@@ -148,10 +148,21 @@ def follow(
 def equilibrate(
     newton: Newton, guess: NDArray[np.float64], tolerance: float
 ) -> tuple[NewtonOutcome, float]:
-    """Solve from a guess; return the outcome and the residual relative to the flat state's."""
-    values = newton.state.x.array
-    values[:] = 0.0
-    reference = newton.residual_norm()  # of the undeformed mesh under the same natural state
-    values[:] = guess
+    """Solve from a guess; return the outcome and the residual relative to the reference."""
+    reference = reference_residual(newton)
+    newton.state.x.array[:] = guess
     outcome = newton.solve(tolerance * reference)
     return outcome, outcome.residual / reference
+
+
+def reference_residual(newton: Newton) -> float:
+    """Residual of the undeformed mesh under the present natural states and loads; keeps the state.
+
+    It measures what is to be balanced, so tolerances are relative to it.
+    """
+    values = newton.state.x.array
+    kept = values.copy()
+    values[:] = 0.0
+    reference = newton.residual_norm()
+    values[:] = kept
+    return reference

@@ -21,17 +21,24 @@ from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
-from fenics_model.bilayer_solid import LAYER_NAMES, BilayerSolid, bilayer_solid, held_points
+from fenics_model.bilayer_solid import (
+    LAYER_NAMES,
+    BilayerSolid,
+    bilayer_solid,
+    held_nodes,
+    held_points,
+)
 from fenics_model.continuation import (
     Equilibrium,
     PathError,
     Tolerances,
     equilibrate,
     follow,
+    reference_residual,
 )
 from fenics_model.newton import Newton
 from fenics_model.settings import SolidSettings
-from fenics_model.shell_start import extrude_shape, starting_shape
+from fenics_model.shell_start import extrude_shape, placed, settle, starting_shape
 from fenics_model.stability import unstable_modes
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
@@ -104,11 +111,12 @@ class Release:
         self._mesh, self._body = mesh, body
         self._settings, self._progress = settings, progress
         solid = body.solid
+        self._absent = solid.absent_pressures()
         self._newton = Newton(
             solid.residual,
             solid.tangent,
             solid.state,
-            [*solid.absent_pressures(), *solid.held_points(held_points(mesh, solid.mesh.volume))],
+            [*self._absent, *solid.held_points(held_points(mesh, solid.mesh.volume))],
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
         )
@@ -125,15 +133,19 @@ class Release:
         shape : (n, 3) array of float
             The bonded interface near the first milestone, m.
         """
-        values = self._body.solid.state.x.array
+        solid, settings = self._body.solid, self._settings
+        values = solid.state.x.array
         first = self._body.path.milestones[0]
         self._body.load(first)
-        extrude_shape(self._body.solid, self._mesh, shape)
-        outcome, relative = equilibrate(self._newton, values.copy(), self._tolerances.milestone)
+        extrude_shape(solid, self._mesh, placed(shape, self._mesh, held_nodes(self._mesh)))
+        tolerance = settings.path_tolerance * reference_residual(self._newton)
+        settled = settle(solid, self._absent, tolerance, settings.petsc_options)
+        outcome, relative = equilibrate(self._newton, values.copy(), settings.tolerance)
+        iterations = settled.iterations + outcome.iterations
         if outcome.converged:
-            self._note(Equilibrium(first, 0, outcome.iterations, relative, outcome.correction))
+            self._note(Equilibrium(first, 0, iterations, relative, outcome.correction))
         else:
-            self._tally.iterations += outcome.iterations
+            self._tally.iterations += iterations
             values[:] = 0.0
 
     def follow(self) -> str:

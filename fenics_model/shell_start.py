@@ -2,7 +2,11 @@
 
 The bonded interface is extruded along its normals, each fibre shortened by what the surface has
 stretched (the layers keep their volume), and the pressures are those of a plane stress state.
+What this leaves of shear and of squeezed fibres is relaxed with the interface held (`settle`);
+released with it, Newton's method would wander.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 import ufl
@@ -14,6 +18,7 @@ from bilayer.errors import InputError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import result_mesh
 from fenics_model.jit import JIT_OPTIONS
+from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.solid import Solid
 
 _EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
@@ -44,6 +49,61 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> ND
         reached["position"].sel(prestretch=prestretch, method="nearest").values
     )
     return shape
+
+
+def placed(
+    shape: NDArray[np.float64], mesh: PlanarMesh, nodes: tuple[int, int, int]
+) -> NDArray[np.float64]:
+    """Move a shape rigidly to where the held points of the solid are.
+
+    Parameters
+    ----------
+    shape : (n, 3) array of float
+        Any position and orientation.
+    mesh : PlanarMesh
+        The flat state.
+    nodes : (int, int, int)
+        Nodes a, b, c: a goes to its flat place, b to its flat y and to z = 0, c to z = 0.
+
+    Returns
+    -------
+    (n, 3) array of float
+        The shape moved.
+    """
+    a, b, c = nodes
+    flat = mesh.points - mesh.points[a]
+    moved = shape - shape[a]
+    length = np.linalg.norm(moved[b])
+    along = moved[b] / length
+    normal = np.cross(along, moved[c])
+    normal *= np.sign(flat[b, 0] * flat[c, 1] - flat[b, 1] * flat[c, 0]) / np.linalg.norm(normal)
+    turn = np.arcsin(np.clip(flat[b, 1] / length, -1, 1))
+    across = np.cross(normal, along)
+    axes = [
+        np.cos(turn) * along - np.sin(turn) * across,
+        np.sin(turn) * along + np.cos(turn) * across,
+        normal,
+    ]
+    return moved @ np.column_stack(axes) + np.append(mesh.points[a], 0.0)
+
+
+def settle(
+    solid: Solid, held: Sequence[fem.DirichletBC], tolerance: float, options: str
+) -> NewtonOutcome:
+    """Solve for everything but the interface's vertices, which stay where they are."""
+    here = solid.state.copy()
+    interface = [
+        fem.dirichletbc(
+            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.interface)
+        )
+        for axis in range(3)
+    ]
+    newton = Newton(
+        solid.residual, solid.tangent, solid.state, [*held, *interface], options=options
+    )
+    outcome = newton.solve(tolerance)
+    newton.destroy()
+    return outcome
 
 
 def extrude_shape(solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
