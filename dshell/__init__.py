@@ -1,6 +1,6 @@
 """The discrete shell in NumPy and SciPy; the package that `bilayer.solvers` calls "dshell"."""
 
 from dshell.settings import PaperSettings
-from dshell.solver import BYTES_PER_TRIANGLE, MODELS, solve
+from dshell.solver import BYTES_PER_TRIANGLE, MODELS, PARALLEL, solve
 
-__all__ = ["BYTES_PER_TRIANGLE", "MODELS", "PaperSettings", "solve"]
+__all__ = ["BYTES_PER_TRIANGLE", "MODELS", "PARALLEL", "PaperSettings", "solve"]

@@ -16,6 +16,9 @@ from bilayer.specimen import Specimen
 from dshell.paper_model import release
 from dshell.settings import PaperSettings
 
+PARALLEL = False
+"""Under mpirun the first rank computes alone."""
+
 BYTES_PER_TRIANGLE = 25_000
 """Memory that a run takes (measured: 14 kB per triangle at 6 000 triangles, 24 kB at 19 000)."""
 
