@@ -197,7 +197,7 @@ def _solve(options: argparse.Namespace) -> int:
         milestones = ", ".join(f"[{m}]" if "," in m else m for m in options.prestretch)
         overrides.append(f"prestretch.milestones=[{milestones}]")
     specimen = _specimen(options, overrides)
-    settings = settings_from(settings_kind(options.solver, options.model), values)
+    settings: Any = settings_from(settings_kind(options.solver, options.model), values)
     mesh = None if options.mesh is None else _mesh_of(specimen, options.mesh)
     start = None if options.start is None else open_result(options.start)
     if options.verbose and first:

@@ -19,6 +19,7 @@ from bilayer.result import result_mesh, result_specimen
 from bilayer.shape import outer_radius
 from bilayer.specimen import MeshSize, Specimen
 from bilayer.surface import flat_surface
+from bilayer.table_text import cells, stretch_text, stretches
 
 MEASURES = (
     "quality",
@@ -82,9 +83,9 @@ def comparison_table(comparison: xr.Dataset) -> str:
     sides = (("a", comparison.isel(result=0)), ("b", comparison.isel(result=1)))
     percent = 100 * comparison["rms_distance_over_radius"]
     columns = {
-        ("", "prestretch"): [_stretch(pair) for pair in _stretches(comparison)],
-        ("rms distance", "mm"): _formatted(1e3 * comparison["rms_distance"], "{:.3f}"),
-        ("rms distance", "% of R"): _formatted(percent, "{:.2f}"),
+        ("", "prestretch"): [stretch_text(pair) for pair in stretches(comparison)],
+        ("rms distance", "mm"): cells(1e3 * comparison["rms_distance"], "{:.3f}"),
+        ("rms distance", "% of R"): cells(percent, "{:.2f}"),
     }
     for title, name, scale, pattern in (
         ("quality", "quality", 1.0, "{:.3f}"),
@@ -93,10 +94,10 @@ def comparison_table(comparison: xr.Dataset) -> str:
         ("height mm", "height", 1e3, "{:.2f}"),
     ):
         for side, result in sides:
-            columns[title, side] = _formatted(scale * result[name], pattern)
+            columns[title, side] = cells(scale * result[name], pattern)
     for axis, title in enumerate(("span x mm", "span y mm")):
         for side, result in sides:
-            columns[title, side] = _formatted(1e3 * result["span"].isel(xyz=axis), "{:.2f}")
+            columns[title, side] = cells(1e3 * result["span"].isel(xyz=axis), "{:.2f}")
     heading = f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}"
     return f"{heading}\n{pd.DataFrame(columns).to_string(index=False)}"
 
@@ -139,13 +140,13 @@ def _common_milestones(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the places of the common milestones in either result."""
-    mine, other = _stretches(first), _stretches(second)
+    mine, other = stretches(first), stretches(second)
     apart = np.abs(mine[:, None] - other[None]).max(axis=2)
     here, there = np.nonzero(apart < SAME_STRETCH)
     if len(here) == 0:
         raise InputError(
-            f"prestretch.milestones = {', '.join(map(_stretch, mine))} in the first result and "
-            f"{', '.join(map(_stretch, other))} in the second: expected a common one"
+            f"prestretch.milestones = {', '.join(map(stretch_text, mine))} in the first result and "
+            f"{', '.join(map(stretch_text, other))} in the second: expected a common one"
         )
     return here, there
 
@@ -161,15 +162,3 @@ def _distances(
         rms_distance(a, b, weights) for a, b in zip(first[known], second[known], strict=True)
     ]
     return distance
-
-
-def _stretches(result: xr.Dataset) -> NDArray[np.float64]:
-    return np.column_stack([result["prestretch_x"].values, result["prestretch_y"].values])
-
-
-def _stretch(pair: NDArray[np.float64]) -> str:
-    return f"{pair[0]:g}" if pair[0] == pair[1] else f"{pair[0]:g},{pair[1]:g}"
-
-
-def _formatted(values: xr.DataArray, pattern: str) -> list[str]:
-    return [pattern.format(value) if np.isfinite(value) else "-" for value in values.values]

@@ -2,32 +2,34 @@
 
 import tomllib
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
 from bilayer.result import result_mesh, result_specimen
 from bilayer.specimen import Layer
+from bilayer.table_text import cells, stretch_text, stretches
 
 
 def result_table(result: xr.Dataset) -> str:
     """Return one line per milestone: shape, effort, stability."""
     millimetres = {"sphere_radius": "radius mm", "sphere_rmse": "rmse mm", "height": "height mm"}
-    columns: dict[str, list[str]] = {"prestretch": [_pair(row) for row in _pairs(result)]}
+    columns: dict[str, list[str]] = {
+        "prestretch": [stretch_text(pair) for pair in stretches(result)]
+    }
     columns["converged"] = ["yes" if done else "no" for done in result["converged"].values]
-    columns["quality"] = _formatted(result["quality"].values, "{:.3f}")
+    columns["quality"] = cells(result["quality"].values, "{:.3f}")
     for name, title in millimetres.items():
-        columns[title] = _formatted(1e3 * result[name].values, "{:.2f}")
+        columns[title] = cells(1e3 * result[name].values, "{:.2f}")
     for axis, title in enumerate(("span x mm", "span y mm")):
-        columns[title] = _formatted(1e3 * result["span"].values[:, axis], "{:.2f}")
-    columns["hemisphere"] = _formatted(result["hemisphere_distance"].values, "{:.3f}")
+        columns[title] = cells(1e3 * result["span"].values[:, axis], "{:.2f}")
+    columns["hemisphere"] = cells(result["hemisphere_distance"].values, "{:.3f}")
     columns["unstable"] = [
         str(count) if count >= 0 else "?" for count in result["unstable_modes"].values
     ]
     columns["steps"] = [str(count) for count in result["load_steps"].values]
     columns["iterations"] = [str(count) for count in result["iterations"].values]
-    columns["residual"] = _formatted(result["residual"].values, "{:.1e}")
-    columns["time s"] = _formatted(result["wall_time"].values, "{:.1f}")
+    columns["residual"] = cells(result["residual"].values, "{:.1e}")
+    columns["time s"] = cells(result["wall_time"].values, "{:.1f}")
     return pd.DataFrame(columns).to_string(index=False)
 
 
@@ -63,21 +65,9 @@ def trust(result: xr.Dataset) -> str:
     if (modes < 0).any():
         return f"{solved}; this method cannot tell whether it is stable."
     if (modes > 0).any():
-        unstable = ", ".join(_pair(p) for p, m in zip(_pairs(result)[done], modes, strict=True) if m)
+        unstable = ", ".join(map(stretch_text, stretches(result)[done][modes > 0]))
         return f"{solved}; NOT STABLE at {unstable}: another shape has less energy."
     return f"{solved}, and stable."
-
-
-def _pairs(result: xr.Dataset) -> np.ndarray:
-    return np.column_stack([result["prestretch_x"].values, result["prestretch_y"].values])
-
-
-def _pair(pair: np.ndarray) -> str:
-    return f"{pair[0]:g}" if pair[0] == pair[1] else f"{pair[0]:g},{pair[1]:g}"
-
-
-def _formatted(values: np.ndarray, pattern: str) -> list[str]:
-    return [pattern.format(value) if np.isfinite(value) else "-" for value in values]
 
 
 def _settings(result: xr.Dataset) -> dict[str, object]:

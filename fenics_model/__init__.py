@@ -16,10 +16,13 @@ from fenics_model.settings import SolidSettings
 
 MODELS = {"solid": SolidSettings}
 
+PARALLEL = True
+"""The ranks of mpirun share one model."""
+
 BYTES_PER_TRIANGLE = 400_000
 """Memory of the matrix and its factors, one element through each layer."""
 
-__all__ = ["BYTES_PER_TRIANGLE", "MODELS", "SolidSettings", "solve"]
+__all__ = ["BYTES_PER_TRIANGLE", "MODELS", "PARALLEL", "SolidSettings", "solve"]
 
 
 def solve(

@@ -1,4 +1,4 @@
-"""The specimen as TOML: round trips, overrides, and errors that name field, value and expectation."""
+"""The specimen as TOML: round trips, overrides, errors."""
 
 import tomllib
 

@@ -1,0 +1,148 @@
+"""The command `bilayer` as a user meets it: outputs, exit statuses, one-line errors."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from bilayer import open_result
+from bilayer.command_line import main
+from bilayer.specimen_file import template
+
+COARSE = ["--mesh-size", "0.012"]
+SHELL = ["solve", "specimen.toml", "--solver", "dshell", *COARSE]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty current folder with the paper's specimen in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "specimen.toml").write_text(template())
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def shell_file(tmp_path_factory):
+    """A result of the paper's shell on a coarse mesh, two milestones."""
+    path = tmp_path_factory.mktemp("shell")
+    (path / "specimen.toml").write_text(template())
+    words = [str(path / word) if word == "specimen.toml" else word for word in SHELL]
+    assert main([*words, "--prestretch", "1.03", "1.06", "-o", str(path / "a.nc")]) == 0
+    return path / "a.nc"
+
+
+def error_of(capsys, words, status=2):
+    """Run in this process; return the one line that the user sees."""
+    try:
+        found = main(words)
+    except SystemExit as stop:  # argparse
+        found = stop.code
+    assert found == status
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    lines = captured.err.strip().splitlines()
+    assert len(lines) == 1, captured.err
+    return lines[0]
+
+
+def test_init_prints_the_template_that_solve_reads(bilayer_command, tmp_path):
+    printed = bilayer_command("init")
+    assert (printed.returncode, printed.stdout, printed.stderr) == (0, template(), "")
+    (tmp_path / "s.toml").write_text(printed.stdout)
+    meshed = bilayer_command("mesh", "s.toml", "-o", "mesh.msh", *COARSE)
+    assert meshed.returncode == 0, meshed.stderr
+    assert re.match(r"\d+ nodes, \d+ triangles, \d+ of them kirigami\n$", meshed.stdout)
+    assert {path.name for path in tmp_path.iterdir()} == {"s.toml", "mesh.msh", "mesh.png"}
+
+
+def test_a_closed_pipe_is_no_error(tmp_path):
+    piped = f"{sys.executable} -m bilayer init | head -1"
+    done = subprocess.run(["bash", "-o", "pipefail", "-c", piped], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_solve_writes_a_result_and_prints_its_table(folder, capsys):
+    assert main([*SHELL, "--prestretch", "1.03", "1.06,1.05", "-o", "a.nc"]) == 0
+    out = capsys.readouterr().out
+    assert "quality" in out
+    assert "1.06,1.05" in out
+    result = open_result("a.nc")
+    assert result["prestretch_y"].values.tolist() == [1.03, 1.05]
+    assert "size = 0.012" in result.attrs["specimen"]
+    assert sorted(path.name for path in folder.iterdir()) == ["a.nc", "specimen.toml"]
+
+
+def test_solve_takes_a_mesh_and_settings(folder):
+    assert main(["mesh", "specimen.toml", "-o", "m.vtk", *COARSE, "--quiet"]) == 0
+    more = ["--mesh", "m.vtk", "--set", "solver.damping_rate=2", "--set", "cut.cutout_angle=0.3"]
+    assert main([*SHELL, *more, "--prestretch", "1.03", "-o", "a.nc", "--quiet"]) == 0
+    assert "damping_rate = 2.0" in open_result("a.nc").attrs["settings"]
+
+
+def test_help_lists_every_setting_with_its_default(bilayer_command):
+    text = bilayer_command("solve", "--help").stdout
+    assert "--solver dshell --model paper" in text
+    assert "--solver fenics --model" in text
+    for verb in ("init", "mesh", "solve", "compare", "plot", "convert", "info"):
+        assert "example:" in bilayer_command(verb, "--help").stdout
+
+
+def test_compare_plot_convert_and_info(folder, shell_file, capsys):
+    assert main(["compare", str(shell_file), str(shell_file), "-o", "c.png"]) == 0
+    assert "1.06" in capsys.readouterr().out
+    assert main(["plot", str(shell_file), "-o", "s.png"]) == 0
+    assert main(["convert", str(shell_file), "-o", "s.vtu", "--prestretch", "1.06"]) == 0
+    assert main(["info", str(shell_file)]) == 0
+    told = capsys.readouterr().out
+    for word in ("dshell", "paper", "versions", "git commit", "2 of 2 reached"):
+        assert word in told
+    assert {path.suffix for path in folder.iterdir()} >= {".png", ".vtu"}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([*SHELL, "-o", "none/a.nc"], "output file none/a.nc: the folder none does not exist"),
+        ([*SHELL, "-o", "a.nc", "--set", "cut.strips=0"], "cut.strips = 0: leave the"),
+        ([*SHELL, "-o", "a.nc", "--set", "solver.damping_rat=1"], "did you mean 'damping_rate'"),
+        (
+            [*SHELL, "-o", "a.nc", "--set", "solver.damping_rate=x"],
+            "solver.damping_rate = x: expected a num",
+        ),
+        ([*SHELL, "-o", "a.nc", "--model", "papr"], "model = 'papr': .*did you mean 'paper'"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "1.1", "1.05"], "1.05 follows 1.1"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "-1"], "expected a number greater than 0"),
+        ([*SHELL, "-o", "a.nc", "--mesh-size", "abc"], "mesh.size = 'abc': expected a number"),
+        ([*SHELL, "-o", "a.nc", "--mesh-size", "1e-6"], "mesh.size = 1e-06 m: about .* GiB"),
+        ([*SHELL, "-o", "a.nc", "--mesh", "none.msh"], "mesh file none.msh: cannot be read"),
+        ([*SHELL, "-o", "a.nc", "--start", "none.nc"], "result file none.nc: cannot be read"),
+        (["solve", "none.toml", "--solver", "dshell", "-o", "a.nc"], "none.toml: cannot be read"),
+        (["solve", "specimen.toml", "--solver", "abaqus", "-o", "a.nc"], "invalid choice"),
+        (["solve", "specimen.toml", "--solver", "dshell"], "required: -o"),
+        (["mesh", "specimen.toml", "-o", "mesh.xyzzy"], "mesh file mesh.xyzzy: cannot be written"),
+        (["info", "specimen.toml"], "result file specimen.toml: cannot be read"),
+        (["frobnicate"], "invalid choice: 'frobnicate'"),
+        ([], "the following arguments are required: VERB"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(folder, capsys, words, message):
+    assert re.search(message, error_of(capsys, words))
+    assert [path.name for path in folder.iterdir()] == ["specimen.toml"]
+
+
+def test_results_of_other_specimens_are_not_compared(folder, shell_file, capsys):
+    words = [*SHELL, "--prestretch", "1.03", "-o", "b.nc", "--set", "substrate.thickness=0.002"]
+    assert main([*words, "--quiet"]) == 0
+    capsys.readouterr()
+    assert "substrate" in error_of(capsys, ["compare", str(shell_file), "b.nc"])
+
+
+def test_a_mesh_of_another_size_is_refused(folder, capsys):
+    assert main(["mesh", "specimen.toml", "-o", "m.vtk", *COARSE, "--quiet"]) == 0
+    words = [*SHELL, "--mesh", "m.vtk", "-o", "a.nc", "--set", "specimen.outer_radius=0.05"]
+    assert "expected specimen.outer_radius = 0.05 m" in error_of(capsys, words)
+
+
+def test_verbose_shows_the_trace(bilayer_command):
+    assert "Traceback" in bilayer_command("info", "none.nc", "--verbose").stderr
