@@ -14,7 +14,7 @@ from bilayer.validation import not_negative, one_of, positive, whole
 class PaperSettings:
     """What the paper leaves open about its discrete shell; see docs/theory.md for the reasons."""
 
-    stopping_is_a_result: ClassVar[bool] = True  # where the paper's model fails is one of its results
+    stopping_is_a_result: ClassVar[bool] = True  # where it fails is one of the paper's results
 
     thickness: str = documented(
         "constant",
