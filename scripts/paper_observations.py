@@ -39,19 +39,18 @@ def _same_shape(shell: xr.Dataset) -> tuple[str, str]:
     }
     first = float(prestretch[0])
     others = [value for value in apart if value != first]
-    reproduced = [value for value in others if apart[value] < apart[first]]
+    alike = [value for value in others if apart[value] < apart[first] / 2]
     listed = ", ".join(
         f"{100 * difference:.0f} % at {value:g}" for value, difference in apart.items()
     )
     verdict = (
-        "reproduced"
-        if len(reproduced) == len(others)
-        else f"holds for {', '.join(f'{value:g}' for value in reproduced) or 'none'} alone"
+        "reproduced" if len(alike) == len(others) else f"{len(alike)} of {len(others)} are alike"
     )
     return (
         f"all prestretches but {first:g} give the same shape",
         f"{verdict}; scaled to one size, the shell's shapes differ from that at "
-        f"{prestretch[middle]:g} by {listed} (rms, of their size).",
+        f"{prestretch[middle]:g} by {listed} (rms, of their size; alike: less than half of the "
+        "first).",
     )
 
 

@@ -24,6 +24,7 @@ from bilayer.figures import (
 )
 from bilayer.progress import progress_bar
 from bilayer.report import result_table
+from bilayer.solvers import settings_kind
 
 RESULTS = Path(__file__).parents[1] / "results"
 QUICK_MILESTONES = (1.03, 1.06, 1.15, 1.24)
@@ -49,8 +50,8 @@ def reproduce(specimen: bilayer.Specimen, folder: Path) -> None:
     """Compute, draw and report; every result is on the disk as soon as it is there."""
     mesh = bilayer.generate_mesh(specimen)
     save_figure(draw_mesh(mesh), folder / "mesh.png")
-    shell = _solved(specimen, mesh, "dshell", folder / "shell_paper.nc")
-    fenics = _solved(specimen, mesh, "fenics", folder / "fenics.nc")
+    shell = _solved(specimen, mesh, "dshell", "paper", folder / "shell_paper.nc")
+    fenics = _solved(specimen, mesh, "fenics", "solid", folder / "fenics.nc")
     _draw(fenics, shell, folder)
     report = _report(fenics, shell)
     (folder / "report.txt").write_text(report, encoding="utf-8")
@@ -59,10 +60,11 @@ def reproduce(specimen: bilayer.Specimen, folder: Path) -> None:
 
 
 def _solved(
-    specimen: bilayer.Specimen, mesh: bilayer.PlanarMesh, solver: str, path: Path
+    specimen: bilayer.Specimen, mesh: bilayer.PlanarMesh, solver: str, model: str, path: Path
 ) -> xr.Dataset:
-    with progress_bar(solver) as progress:
-        result = bilayer.solve(specimen, solver, mesh=mesh, progress=progress)
+    settings = settings_kind(solver, model)()
+    with progress_bar(f"{solver} {model}") as progress:
+        result = bilayer.solve(specimen, solver, settings, mesh=mesh, progress=progress)
     bilayer.write_result(result, path)
     return result
 

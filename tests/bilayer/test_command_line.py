@@ -11,7 +11,7 @@ from bilayer.command_line import main
 from bilayer.specimen_file import template
 
 COARSE = ["--mesh-size", "0.012"]
-SHELL = ["solve", "specimen.toml", "--solver", "dshell", *COARSE]
+SHELL = ["solve", "specimen.toml", "--solver", "dshell", "--model", "paper", *COARSE]
 
 
 @pytest.fixture
