@@ -1,0 +1,59 @@
+"""A substrate alone, prestretched and freed, is stress-free and shrunk by exactly 1 / lambda."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("dolfinx")
+
+from solids import mean, newton_of, rectangle, solid_of, stacked, stress
+
+from bilayer import LinearElastic, MooneyRivlin
+from fenics_model.bilayer_solid import held_points, natural_state
+from fenics_model.continuation import Tolerances, follow
+from fenics_model.release_path import ReleasePath
+from fenics_model.step_control import StepControl
+
+SIDE, THICKNESS = 4e-2, 1e-3
+LAWS = [MooneyRivlin(4839.1, 14536.0, 1e-6), MooneyRivlin(4839.1, 14536.0)]
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("law", LAWS, ids=["compressible", "incompressible"])
+@pytest.mark.parametrize("stretch", [(1.2, 1.2), (1.3, 1.1)], ids=["equibiaxial", "anisotropic"])
+@pytest.mark.parametrize("rule", ["natural", "constant"])
+def test_free_release(law, stretch, rule):
+    mesh = rectangle(SIDE, SIDE, 4, 4)
+    volume = stacked(mesh, [THICKNESS])
+    solid = solid_of(volume, [law])
+    newton = newton_of(solid, solid.held_points(held_points(mesh, volume)))
+    path = ReleasePath([(1.1, 1.05), stretch])
+
+    def load(parameter):
+        solid.layers[0].natural.value = natural_state(path.stretch(parameter), rule)
+
+    control = StepControl(0.02, 1e-3, 0.1, 6)
+    for _ in follow(newton, load, path.milestones, control, Tolerances(1e-12, 1e-6)):
+        pass
+    shrunk = volume.points / np.array(natural_state(stretch, rule))
+    expected = shrunk - shrunk[volume.interface[mesh.centre_node]]
+    moved = volume.points + solid.vertex_displacements()
+    actual = moved - moved[volume.interface[mesh.centre_node]]
+    assert np.abs(actual - expected).max() < 1e-8 * SIDE
+    prestress = law.young_modulus * (stretch[0] - 1)
+    for i, j in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2)]:
+        assert abs(mean(solid, stress(solid)[i, j])) < 1e-8 * prestress
+    newton.destroy()
+
+
+def test_the_held_points_of_a_free_body_carry_nothing():
+    """Six statically determinate constraints: their reactions vanish, and with them any strain."""
+    mesh = rectangle(SIDE, SIDE / 2, 4, 2)
+    volume = stacked(mesh, [THICKNESS, THICKNESS])
+    solid = solid_of(volume, [LinearElastic(1e5, 0.4), LinearElastic(3e5, 0.4)])
+    newton = newton_of(solid, solid.held_points(held_points(mesh, volume)))
+    solid.layers[0].natural.value = (1.002, 1.002, 1.0)
+    assert newton.solve(1e-11).converged
+    assert np.ptp(solid.vertex_displacements()[:, 2]) > 1e-4  # it did bend
+    newton._held = solid.absent_pressures()
+    assert newton.residual_norm() < 1e-10
+    newton.destroy()

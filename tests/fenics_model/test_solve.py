@@ -1,0 +1,199 @@
+"""The model from a specimen to the dataset, on coarse meshes."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from bilayer import (
+    ComputationError,
+    InputError,
+    Layer,
+    LinearElastic,
+    MeshSize,
+    generate_mesh,
+    open_result,
+    paper_specimen,
+    write_result,
+)
+from fenics_model import MODELS, SolidSettings, solve
+
+COARSE = replace(paper_specimen(), mesh=MeshSize(0.012))
+
+needs_dolfinx = pytest.mark.skipif(find_spec("dolfinx") is None, reason="dolfinx is not there")
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return generate_mesh(COARSE)
+
+
+@pytest.fixture(scope="module")
+def released(mesh):
+    """The coarse paper's specimen at two milestones."""
+    return solve(COARSE.with_milestones([1.02, 1.04]), mesh=mesh)
+
+
+def test_without_dolfinx_the_package_imports_and_solve_says_what_is_missing():
+    script = (
+        "import sys; sys.modules['dolfinx'] = None\n"
+        "import fenics_model, fenics_model.settings, bilayer\n"
+        "try: fenics_model.solve(bilayer.paper_specimen())\n"
+        "except bilayer.ComputationError as error: print(error)"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert len(run.stdout.splitlines()) == 1
+    assert "dolfinx" in run.stdout
+    assert "scripts/env" in run.stdout
+
+
+def test_settings_name_what_is_wrong():
+    with pytest.raises(InputError, match=r"solver\.substrate_elements = 0"):
+        SolidSettings(substrate_elements=0)
+    with pytest.raises(InputError, match=r"solver\.tolerance = -1"):
+        SolidSettings(tolerance=-1.0)
+
+
+@needs_dolfinx
+def test_the_dataset_is_whole(released, mesh, tmp_path):
+    write_result(released, tmp_path / "released.nc")
+    result = open_result(tmp_path / "released.nc")
+    assert result.attrs["solver"] == "fenics"
+    assert result.attrs["model"] in MODELS
+    assert result.attrs["stop_reason"] == ""
+    assert "dolfinx" in result.attrs["versions"]
+    assert result["converged"].values.tolist() == [1, 1]
+    assert result["unstable_modes"].values.tolist() == [0, 0]
+    assert np.all(result["residual"] < 1e-10)
+    assert np.all(
+        result["energy"].sel(term=b"substrate" if result["term"].dtype.kind == "S" else "substrate")
+        > 0
+    )
+    assert np.all(np.diff(result["height"]) > 0)
+    bond = result["volume_reference_position"].values[:, 2] == 0
+    assert result["volume_position"].values[:, bond] == pytest.approx(result["position"].values)
+    assert result["volume_cells"].shape[0] == 3 * (len(mesh.triangles) + mesh.region.sum())
+
+
+@needs_dolfinx
+def test_it_bends_toward_the_substrate(released):
+    """The stretched side shrinks, so the rim goes down, where the substrate is."""
+    shape = released["position"].values[-1]
+    rim = np.linalg.norm(released["reference_position"].values, axis=1) > 0.0399
+    assert shape[rim, 2].mean() < shape[~rim, 2].mean()
+
+
+@needs_dolfinx
+def test_milestones_do_not_depend_on_path_or_imperfection(released, mesh):
+    other = solve(
+        COARSE.with_milestones([1.04]),
+        SolidSettings(imperfection=0.02, first_step=0.0007, petsc_options="-bilayer_pc_type lu"),
+        mesh=mesh,
+    )
+    assert other["position"].values[0] == pytest.approx(released["position"].values[1], abs=1e-9)
+    assert other["unstable_modes"].values[0] == -1  # LU does not tell
+
+
+@needs_dolfinx
+def test_the_two_ways_to_draw_the_substrate_agree(released, mesh):
+    """A mesh of the bonded thickness of one prestretch has that prestretch's solution."""
+    constant = replace(
+        COARSE.with_milestones([1.04]),
+        substrate=replace(COARSE.substrate, thickness=COARSE.substrate.thickness / 1.04**2),
+    )
+    constant = replace(constant, prestretch=replace(constant.prestretch, thickness="constant"))
+    drawn_bonded = solve(constant, mesh=mesh)
+    assert drawn_bonded["position"].values[0] == pytest.approx(
+        released["position"].values[1], abs=1e-9
+    )
+
+
+@needs_dolfinx
+def test_a_failed_load_step_leaves_the_last_state(mesh):
+    settings = SolidSettings(smallest_step=0.06, largest_step=0.5)
+    result = solve(COARSE.with_milestones([1.0005, 1.6, 1.7]), settings, mesh=mesh)
+    assert result["converged"].values.tolist() == [1, 0, 0]
+    assert "no convergence" in result.attrs["stop_reason"]
+    assert np.isnan(result["position"].values[1:]).all()
+    assert 1.0005 <= result["last_prestretch"].values[1] < 1.6
+    assert np.isfinite(result["last_position"].values[1]).all()
+    assert result["load_steps"].values[1:].tolist() == [0, 0]
+
+
+@needs_dolfinx
+def test_starting_from_its_own_result_takes_few_iterations(released, mesh):
+    again = solve(COARSE.with_milestones([1.04]), mesh=mesh, start=released)
+    assert again["position"].values[0] == pytest.approx(released["position"].values[1], abs=1e-9)
+    assert again["load_steps"].values[0] == 1
+    assert again["iterations"].values[0] <= 8
+
+
+@needs_dolfinx
+def test_a_start_that_leads_nowhere_falls_back_to_the_load_path(released, mesh):
+    crumpled = released.copy(deep=True)
+    rng = np.random.default_rng(2)
+    crumpled["position"] += rng.normal(scale=4e-3, size=crumpled["position"].shape)
+    again = solve(COARSE.with_milestones([1.02]), mesh=mesh, start=crumpled)
+    assert again["load_steps"].values[0] > 1
+    assert again["position"].values[0] == pytest.approx(released["position"].values[0], abs=1e-9)
+
+
+@needs_dolfinx
+def test_a_start_on_another_mesh_is_an_error(released):
+    with pytest.raises(InputError, match="start: "):
+        other = generate_mesh(replace(COARSE, mesh=MeshSize(0.02)))
+        solve(COARSE.with_milestones([1.02]), mesh=other, start=released)
+
+
+@needs_dolfinx
+def test_linear_law_and_uncut_disc(mesh):
+    """At a small prestretch the linear law bends as the hyperelastic ones."""
+
+    def radius(law):
+        layers = {name: Layer(1e-3, law(modulus)) for name, modulus in
+                  (("substrate", 116250.0), ("kirigami", 368988.0))}  # fmt: skip
+        specimen = replace(COARSE, cut=None, **layers).with_milestones([1.005])
+        return float(
+            solve(specimen, mesh=replace(mesh, region=np.ones_like(mesh.region)))["sphere_radius"][
+                0
+            ]
+        )
+
+    from bilayer import NeoHookean
+
+    linear = radius(lambda young: LinearElastic(young, 0.5))
+    assert linear == pytest.approx(radius(lambda young: NeoHookean(young / 6)), rel=0.03)
+
+
+@needs_dolfinx
+def test_weight_pulls_down_the_rim_of_a_dome_that_is_held_at_its_centre(released, mesh):
+    """The centre carries the disc, so under its own weight the rim hangs lower."""
+    heavy = solve(replace(COARSE, gravity=1.0).with_milestones([1.02]), mesh=mesh)
+    assert heavy["height"].values[0] > released["height"].values[0] * 1.02
+
+
+@needs_dolfinx
+@pytest.mark.mpi
+def test_two_ranks_give_what_one_gives():
+    from mpi4py import MPI
+
+    if MPI.COMM_WORLD.size == 1:
+        pytest.skip("one rank: run under mpirun -n 2")
+    specimen = replace(paper_specimen(), mesh=MeshSize(0.008)).with_milestones([1.03])
+    shared = solve(specimen)
+    alone = solve(specimen, comm=MPI.COMM_SELF)
+    for name in ("position", "volume_position"):
+        assert shared[name].values == pytest.approx(alone[name].values, abs=1e-9)
+    assert shared["iterations"].values == alone["iterations"].values
+    everywhere = MPI.COMM_WORLD.allgather(shared)
+    assert everywhere[0].identical(everywhere[1])
+
+
+@needs_dolfinx
+@pytest.mark.mpi
+def test_an_error_on_the_first_rank_is_raised_on_all():
+    with pytest.raises((InputError, ComputationError), match=r"mesh\.size"):
+        solve(replace(paper_specimen(), mesh=MeshSize(1e-6)))
