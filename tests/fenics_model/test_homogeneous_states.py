@@ -25,7 +25,7 @@ def tape_block():
 
 
 def solve_block(solid, natural, sides):
-    """Hold a prestretched block at x = 0, y = 0, its top, and x or y = SIDE for the axes `sides`."""
+    """Hold a prestretched block at x, y = 0, on its top, and at x or y = SIDE for the `sides`."""
     solid.layers[0].natural.value = natural
     solid.state.x.array[:] = 0.0
     held = [held_where(solid, 2, lambda x: np.isclose(x[2], 0))]
