@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 from bilayer import __version__
 from bilayer.comparison import compare, comparison_table
-from bilayer.conversion import convert_result
+from bilayer.conversion import convert_milestones, convert_result
 from bilayer.errors import BilayerError, InputError
 from bilayer.figures import draw_comparison, draw_mesh, draw_shapes, save_figure
 from bilayer.mesh_generation import generate_mesh
@@ -276,16 +276,24 @@ def _add_convert(verbs: Any) -> None:
     verb.add_argument(
         "-o", "--output", required=True, help="any format meshio writes, by the ending"
     )
-    verb.add_argument("--prestretch", type=float, metavar="L", help="only this milestone")
+    which = verb.add_mutually_exclusive_group()
+    which.add_argument(
+        "--prestretch", type=float, metavar="L",
+        help="the milestone to write; the last one reached where left out",
+    )  # fmt: skip
+    which.add_argument(
+        "--all", action="store_true", help="every milestone reached: shape_1.03.vtu, ..."
+    )
     verb.add_argument("--part", choices=["midsurface", "volume"], default="midsurface")
 
 
 def _convert(options: argparse.Namespace) -> int:
-    written = convert_result(
-        open_result(options.result), options.output, options.prestretch, options.part
-    )
-    if not options.quiet:
-        print("\n".join(str(path) for path in written))
+    result = open_result(options.result)
+    if options.all:
+        for path in convert_milestones(result, options.output, options.part):
+            print(path)
+    else:
+        convert_result(result, options.output, options.prestretch, options.part)
     return 0
 
 

@@ -26,8 +26,8 @@ def convert_result(
     path: str | Path,
     prestretch: float | None = None,
     part: str = "midsurface",
-) -> list[Path]:
-    """Write the shapes of a result in any format that meshio writes, chosen by the file's ending.
+) -> None:
+    """Write one shape in any format that meshio writes, chosen by the file's ending.
 
     Points are the deformed ones, in m; `reference_position` and `displacement` go with them, and
     with each cell its `region` (0 bare, 1 kirigami) or `layer` (0 substrate, 1 kirigami).
@@ -37,17 +37,11 @@ def convert_result(
     result : Dataset
         See `bilayer.result`.
     path : path-like
-        The file, where there is one shape to write; for several milestones the prestretch is put
-        before the ending: shape.vtu becomes shape_1.03.vtu, shape_1.06.vtu, ...
+        The file.
     prestretch : float, optional
-        Only this milestone; every converged one where left out.
+        Which milestone; the last one that was reached where left out.
     part : {"midsurface", "volume"}
         What to write.
-
-    Returns
-    -------
-    list of Path
-        The files written.
 
     Raises
     ------
@@ -58,17 +52,31 @@ def convert_result(
         Writing failed, for example on a full disk.
     """
     shape_of = PARTS[one_of("part", part, PARTS)]
-    reached = _reached(result, prestretch)
-    names = [Path(path)]
-    if len(reached) > 1:
-        names = [_with_prestretch(Path(path), result["prestretch"].values[k]) for k in reached]
-    for milestone, name in zip(reached, names, strict=True):
-        write_mesh_file(shape_of(result.isel(prestretch=milestone)), name)
+    milestone = _reached(result, prestretch)[-1]
+    write_mesh_file(shape_of(result.isel(prestretch=milestone)), path)
+
+
+def convert_milestones(
+    result: xr.Dataset, path: str | Path, part: str = "midsurface"
+) -> list[Path]:
+    """Write every shape that was reached, each to a file of its own; see `convert_result`.
+
+    The prestretch is put before the ending: shape.vtu becomes shape_1.03.vtu, shape_1.06.vtu, ...
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
+    stretches = [float(value) for value in result["prestretch"].values[_reached(result, None)]]
+    names = [_with_prestretch(Path(path), stretch) for stretch in stretches]
+    for stretch, name in zip(stretches, names, strict=True):
+        convert_result(result, name, stretch, part)
     return names
 
 
 def _reached(result: xr.Dataset, prestretch: float | None) -> NDArray[np.int64]:
-    """Places of the milestones to write."""
+    """Places of the milestones that were reached, or of the one that is asked for."""
     converged = result["converged"].values.astype(bool)
     stretches = result["prestretch"].values
     if prestretch is not None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig, null_space
 from scipy.optimize import least_squares, root
 
+from bilayer.errors import InputError
 from bilayer.surface import Surface
 
 Array = NDArray[np.float64]
@@ -46,7 +47,14 @@ def fit_sphere(surface: Surface) -> Sphere:
     ----------
     surface : Surface
         Its nodes count by their lumped areas.
+
+    Raises
+    ------
+    InputError
+        There are fewer nodes than a sphere needs.
     """
+    if len(surface.points) < 4:
+        raise InputError(f"mesh has {len(surface.points)} nodes: expected at least 4 for a sphere")
     weights = surface.node_areas / surface.node_areas.sum()
     points = surface.points - _point_on(surface)
     size = float(np.sqrt(weights @ np.sum(points**2, axis=1)))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from results import cap_result, half_angle, small_specimen
+from made_results import cap_result, half_angle, small_specimen
 from scipy.spatial.transform import Rotation
 from shapes import cap
 

@@ -4,10 +4,10 @@ import meshio
 import numpy as np
 import pytest
 import xarray as xr
-from results import cap_result
+from made_results import cap_result
 
 from bilayer import InputError, result_mesh
-from bilayer.conversion import convert_result
+from bilayer.conversion import convert_milestones, convert_result
 
 
 @pytest.fixture(scope="module")
@@ -15,16 +15,22 @@ def result():
     return cap_result(reached=1.06)
 
 
-def test_one_file_per_reached_milestone(result, tmp_path):
-    written = convert_result(result, tmp_path / "shape.vtu")
+def test_every_reached_milestone_gets_a_file_of_its_own(result, tmp_path):
+    written = convert_milestones(result, tmp_path / "shape.vtu")
     assert [path.name for path in written] == ["shape_1.03.vtu", "shape_1.06.vtu"]
     assert sorted(tmp_path.iterdir()) == sorted(written)
 
 
+def test_without_a_prestretch_the_last_reached_shape_is_written(result, tmp_path):
+    convert_result(result, tmp_path / "shape.vtu")
+    last = result["position"].sel(prestretch=1.06).values
+    assert meshio.read(tmp_path / "shape.vtu").points == pytest.approx(last, abs=1e-15)
+
+
 @pytest.mark.parametrize("ending", ["vtu", "vtk"])
 def test_the_shape_comes_back(result, tmp_path, ending):
-    (path,) = convert_result(result, tmp_path / f"shape.{ending}", prestretch=1.06)
-    assert path == tmp_path / f"shape.{ending}"
+    path = tmp_path / f"shape.{ending}"
+    convert_result(result, path, prestretch=1.06)
     read = meshio.read(path)
     position = result["position"].sel(prestretch=1.06).values
     reference = result["reference_position"].values
@@ -57,7 +63,8 @@ def with_volume(result):
 
 def test_the_volume_where_there_is_one(result, tmp_path):
     stacked = with_volume(result)
-    (path,) = convert_result(stacked, tmp_path / "body.vtu", prestretch=1.03, part="volume")
+    path = tmp_path / "body.vtu"
+    convert_result(stacked, path, prestretch=1.03, part="volume")
     read = meshio.read(path)
     assert read.get_cells_type("tetra").tolist() == stacked["volume_cells"].values.tolist()
     assert read.points == pytest.approx(stacked["volume_position"].values[0])

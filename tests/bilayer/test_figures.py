@@ -4,9 +4,9 @@ import sys
 
 import numpy as np
 import pytest
+from made_results import cap_result, small_specimen
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
-from results import cap_result, small_specimen
 from scipy.spatial.transform import Rotation
 
 from bilayer import ComputationError, InputError, result_mesh

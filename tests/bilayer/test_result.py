@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from results import NoSettings, cap_result, small_specimen
+from made_results import NoSettings, cap_result, small_specimen
 from shapes import cap
 
 from bilayer import (
