@@ -106,19 +106,26 @@ def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> V
 
 
 def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
-    """Return the nodes that are held: the centre, a far one along x, one that spans the most."""
+    """Return the nodes that are held: the centre and one a third of the radius away along x and y.
+
+    Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
+    """
     centre = mesh.centre_node
     arms = mesh.points - mesh.points[centre]
-    far = int(np.argmax(arms[:, 0]))
-    side = int(np.argmax(np.abs(arms[far, 0] * arms[:, 1] - arms[far, 1] * arms[:, 0])))
-    return centre, far, side
+    reach = np.linalg.norm(arms, axis=1).max() / 3
+    taken = [centre]
+    for target in ((reach, 0.0), (0.0, reach)):
+        distance = np.linalg.norm(arms - target, axis=1)
+        distance[taken] = np.inf
+        taken.append(int(np.argmin(distance)))
+    return taken[0], taken[1], taken[2]
 
 
 def held_points(mesh: PlanarMesh, volume: VolumeMesh) -> list[tuple[int, int]]:
     """Choose six vertex components that take away the rigid motion and nothing else.
 
-    The centre node is held in x, y and z, the far one in y and z, the third in z, all at the
-    interface. Under loads in balance their reactions vanish.
+    The centre node is held in x, y and z, the one along x in y and z, the one along y in z, all
+    at the interface. Under loads in balance their reactions vanish.
     """
     a, b, c = volume.interface[list(held_nodes(mesh))]
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]

@@ -9,7 +9,7 @@ from fenics_model.volume_mesh import Slab, extrude
 def planar():
     """A unit square of four triangles around a node off its middle; two of them are bare."""
     points = [[0, 0], [1, 0], [1, 1], [0, 1], [0.4, 0.6]]
-    triangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    triangles = [[4, 0, 1], [1, 2, 4], [4, 2, 3], [3, 0, 4]]  # no common order
     return PlanarMesh(points, triangles, [1, 1, 0, 0])
 
 
