@@ -57,8 +57,12 @@ def _same_shape(shell: xr.Dataset) -> tuple[str, str]:
 def _failure(shell: xr.Dataset) -> tuple[str, str]:
     said = f"cut short at {PAPER_LIMIT}, no convergence beyond"
     if bool(shell["converged"].all()):
-        highest = float(shell["prestretch"].max())
-        return said, f"not reproduced; the shell's run ends at every prestretch up to {highest:g}."
+        return (
+            said,
+            "not reproduced with the default settings; the shell's run ends at every prestretch up "
+            f"to {float(shell['prestretch'].max()):g} (docs/theory-dshell.md has the time steps "
+            "with which it stops).",
+        )
     return said, f"the shell's run stopped: {shell.attrs['stop_reason']}."
 
 
