@@ -1,27 +1,29 @@
-"""What differs between dolfinx 0.9, 0.10 and 0.11, and nothing else: the one edge to their APIs."""
+"""What differs between dolfinx 0.9, 0.10 and 0.11, and nothing else: the one edge to their APIs.
+
+The calls that are the same in all three are made where they are needed, with the arguments that
+were renamed (`diagonal`, `diag`) left at their defaults.
+"""
 
 from typing import Any
 
 import dolfinx
 import numpy as np
-from dolfinx import fem
+from numpy.typing import NDArray
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 
 
-def create_mesh(comm: Any, cells: np.ndarray, points: np.ndarray, domain: Any) -> Any:
+def create_mesh(
+    comm: Any, cells: NDArray[np.int64], points: NDArray[np.float64], domain: Any
+) -> Any:
     """Distribute a mesh; 0.10 swapped the last two arguments of dolfinx's function."""
     if VERSION < (0, 10):
         return dolfinx.mesh.create_mesh(comm, cells, points, domain)
     return dolfinx.mesh.create_mesh(comm, cells, domain, points)
 
 
-def interpolation_points(space: Any) -> np.ndarray:
-    """Points of a space's element where functions are evaluated; a property since 0.10."""
-    points = space.element.interpolation_points
-    return points() if callable(points) else points
-
-
-def compiled_expression(expression: Any, space: Any, jit_options: dict[str, Any]) -> fem.Expression:
-    """Compile an expression for interpolation into a space."""
-    return fem.Expression(expression, interpolation_points(space), jit_options=jit_options)
+def geometry_dofmap(mesh: Any) -> NDArray[np.int32]:
+    """Geometry nodes of each cell, shape (cells, 4); 0.11 has one such map per cell type."""
+    if VERSION < (0, 11):
+        return np.asarray(mesh.geometry.dofmap)
+    return np.asarray(mesh.geometry.dofmaps[0])

@@ -42,11 +42,12 @@ class LayeredMesh:
         mine = slice(None) if comm.rank == 0 else slice(0, 0)
         domain = ufl.Mesh(basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,)))
         self.mesh = dolfinx_api.create_mesh(comm, volume.cells[mine], volume.points[mine], domain)
-        cells = np.arange(len(self.mesh.geometry.dofmap), dtype=np.int32)
+        nodes = dolfinx_api.geometry_dofmap(self.mesh)
+        cells = np.arange(len(nodes), dtype=np.int32)
         layers = volume.layer[self.mesh.topology.original_cell_index].astype(np.int32)
         self.layer_tags = dolfinx.mesh.meshtags(self.mesh, 3, cells, layers)
         original = np.asarray(self.mesh.geometry.input_global_indices)
-        self.cell_vertices: NDArray[np.int64] = original[self.mesh.geometry.dofmap]
+        self.cell_vertices: NDArray[np.int64] = original[nodes]
 
     def dofs_at(self, space: Any, vertices: NDArray[np.int64]) -> NDArray[np.int32]:
         """Dofs of a scalar Lagrange (sub)space at some original vertices, those seen by this rank.
@@ -76,8 +77,8 @@ class LayeredMesh:
         (v,) array of float
             The same on every rank.
         """
-        local = np.unique(self.cell_vertices, return_index=True)
-        pairs = local[0], values[space.dofmap.list[:, :4].ravel()[local[1]]]
+        vertices, first = np.unique(self.cell_vertices, return_index=True)
+        pairs = vertices, values[space.dofmap.list[:, :4].ravel()[first]]
         gathered = np.full(len(self.volume.points), np.nan)
         for numbers, found in self.mesh.comm.allgather(pairs):
             gathered[numbers] = found

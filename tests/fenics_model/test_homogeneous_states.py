@@ -60,6 +60,18 @@ def test_equibiaxial_cauchy_stress(tape_block, stretch, published):
     assert mean(tape_block, gradient[2, 2]) == pytest.approx(stretch**-2, rel=1e-9)
 
 
+def test_a_hanging_block_carries_its_weight():
+    """Balance: the mean of P33 over a block hung at z = 0 is half the stress there, q h / 2."""
+    weight = 3e4
+    volume = stacked(rectangle(SIDE, SIDE, 2, 2), [THICKNESS])
+    solid = solid_of(volume, [TAPE], body_force=-weight)
+    top = [held_where(solid, axis, lambda x: np.isclose(x[2], 0)) for axis in range(3)]
+    newton = newton_of(solid, top)
+    assert newton.solve(1e-13).converged
+    newton.destroy()
+    assert mean(solid, stress(solid)[2, 2]) == pytest.approx(weight * THICKNESS / 2, rel=1e-8)
+
+
 def test_compressible_patch():
     """A uniform deformation of the boundary of a distorted mesh is uniform inside."""
     volume = stacked(rectangle(3e-3, 3e-3, 3, 3), [3e-3], elements=3)
