@@ -17,7 +17,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy
+from dshell.assembly import Assembly, Energy, coordinates_of
 
 Array = NDArray[np.float64]
 
@@ -48,8 +48,9 @@ class MovingBody:
 
     def assembly(self) -> Assembly:
         """Return the assembly of the body's energies."""
-        stencils = [term.nodes for term in self.energies(0.0)]
-        return Assembly(len(self.masses), stencils, self.held_nodes)
+        stencils = [term.dofs for term in self.energies(0.0)]
+        held = coordinates_of(self.held_nodes).reshape(-1)
+        return Assembly(3 * len(self.masses), stencils, held)
 
 
 @dataclass(frozen=True)
@@ -143,23 +144,24 @@ def _step(
     body: MovingBody, assembly: Assembly, old: Motion, time: float, stepping: Stepping
 ) -> Motion:
     """Solve one time step, from a guess of unchanged velocity."""
-    h, free = stepping.time_step, assembly.free_nodes
+    h, free = stepping.time_step, assembly.free
     energies, load = body.energies(time), body.load(time)
     masses = body.masses[:, None]
-    inertia = np.repeat(body.masses[free], 3) * (1 / h**2 + body.damping_rate / h)
+    inertia = np.repeat(body.masses, 3)[free] * (1 / h**2 + body.damping_rate / h)
     position = old.position.copy()
-    position[free] += h * old.velocity[free]
+    coordinates = position.reshape(-1)
+    coordinates[free] += h * old.velocity.reshape(-1)[free]
     for iterations in range(stepping.max_iterations + 1):
         velocity = (position - old.position) / h
         momentum = masses * ((velocity - old.velocity) / h + body.damping_rate * velocity)
-        residual = (momentum + assembly.gradient(energies, position) - load)[free]
+        residual = (momentum + assembly.gradient(energies, position) - load).reshape(-1)[free]
         error = float(np.linalg.norm(residual))
         if error <= stepping.tolerance:
             return Motion(time, position, velocity, iterations, error)
         if not np.isfinite(error) or iterations == stepping.max_iterations:
             break
         jacobian = assembly.hessian(energies, position, diagonal=inertia)
-        position[free] -= _solved(jacobian, residual.reshape(-1)).reshape(-1, 3)
+        coordinates[free] -= _solved(jacobian, residual)
     raise ConvergenceError(time, iterations, error, stepping.tolerance)
 
 

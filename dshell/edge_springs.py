@@ -9,6 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from dshell.assembly import coordinates_of
+
 Array = NDArray[np.float64]
 
 
@@ -31,6 +33,11 @@ class EdgeSprings:
     natural_length: Array
     name: ClassVar[str] = "stretching"
 
+    @property
+    def dofs(self) -> NDArray[np.int64]:
+        """Coordinates of each spring's ends among all coordinates, shape (e, 2, 3)."""
+        return coordinates_of(self.nodes)
+
     def energy(self, corners: Array) -> Array:
         """Return each spring's energy, J, shape (e,), from its ends' positions, (e, 2, 3) in m."""
         length, _ = _length_and_direction(corners)
@@ -45,7 +52,15 @@ class EdgeSprings:
     def hessian(self, corners: Array) -> Array:
         """Return the second derivative by the ends' positions, N/m, shape (e, 6, 6)."""
         length, along = _length_and_direction(corners)
-        across = self._tension(length) / length
+        return self._stiffness(along, self._tension(length) / length)
+
+    def convex_hessian(self, corners: Array) -> Array:
+        """Return the Hessian without the pressure of a short spring: no negative eigenvalue."""
+        length, along = _length_and_direction(corners)
+        return self._stiffness(along, np.maximum(self._tension(length), 0.0) / length)
+
+    def _stiffness(self, along: Array, across: Array) -> Array:
+        """Stiffness along the spring, and `across` for the directions in which it turns."""
         block = (self.stiffness / self.natural_length**2 - across)[:, None, None] * (
             along[:, :, None] * along[:, None, :]
         )

@@ -23,6 +23,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dshell.assembly import coordinates_of
+
 Array = NDArray[np.float64]
 
 APEXES = (2, 3)
@@ -48,45 +50,89 @@ class Hinges:
     natural_angle: Array
     name: ClassVar[str] = "bending"
 
+    @property
+    def dofs(self) -> NDArray[np.int64]:
+        """Coordinates of each hinge's nodes among all coordinates, shape (h, 4, 3)."""
+        return coordinates_of(self.nodes)
+
     def energy(self, corners: Array) -> Array:
         """Return each hinge's energy, J, shape (h,), from its nodes' positions, (h, 4, 3) in m."""
         return 0.5 * self.stiffness * (hinge_angles(corners) - self.natural_angle) ** 2
 
     def gradient(self, corners: Array) -> Array:
         """Return the derivative of the energy by the nodes' positions, N, shape (h, 4, 3)."""
-        hinge, sides = _measure(corners)
-        return self._moment(hinge, sides)[:, None, None] * _angle_gradient(sides)
+        fold = Fold(corners)
+        return self._moment(fold)[:, None, None] * fold.gradient
 
     def hessian(self, corners: Array) -> Array:
         """Return the second derivative by the nodes' positions, N/m, shape (h, 12, 12)."""
-        hinge, sides = _measure(corners)
-        moment = self._moment(hinge, sides)[:, None, None]
-        slope = _angle_gradient(sides)
-        ends = np.zeros((len(corners), 4))
-        ends[:, :2] = np.array([-1.0, 1.0]) / hinge.length[:, None]  # c / l
-        left, right = [0.5 * self.stiffness[:, None, None] * slope], [slope]
-        for side in sides:
-            bend = _outer(ends, side.normal)
-            left += [moment * _outer(side.weights, side.normal), moment * bend]
-            right += [
-                _outer(side.weights, side.inward),
-                0.5 * _outer(ends, side.inward) - _outer(side.weights, hinge.along),
-            ]
-        half = _as_columns(left) @ _as_columns(right).transpose(0, 2, 1)
-        return half + half.transpose(0, 2, 1)
+        fold = Fold(corners)
+        return self._stiffness_part(fold) + fold.hessian(self._moment(fold))
 
-    def _moment(self, hinge: "_HingeLine", sides: "list[_Side]") -> Array:
-        return self.stiffness * (_angle(hinge, sides) - self.natural_angle)
+    def convex_hessian(self, corners: Array) -> Array:
+        """Return the Hessian without the angle's own curvature: no negative eigenvalue."""
+        return self._stiffness_part(Fold(corners))
+
+    def _moment(self, fold: "Fold") -> Array:
+        return self.stiffness * (fold.angle - self.natural_angle)
+
+    def _stiffness_part(self, fold: "Fold") -> Array:
+        slope = fold.gradient.reshape(-1, 12)
+        return self.stiffness[:, None, None] * (slope[:, :, None] * slope[:, None, :])
 
 
 def hinge_angles(corners: Array) -> Array:
     """Return the angle across each hinge, rad, (-pi, pi], shape (h,), from positions (h, 4, 3)."""
-    return _angle(*_measure(corners))
+    return Fold(corners).angle
 
 
-class _HingeLine(NamedTuple):
-    length: Array  # (h,)
-    along: Array  # t, (h, 3)
+class Fold:
+    """The angle across hinges and its derivatives, with the module's formulas.
+
+    Parameters
+    ----------
+    corners : (h, 4, 3) array of float
+        Positions of each hinge's nodes, m.
+    """
+
+    def __init__(self, corners: Array) -> None:
+        edge = corners[:, 1] - corners[:, 0]
+        self._length = np.sqrt(_dot(edge, edge))
+        self._along = edge / self._length[:, None]
+        self._sides = [
+            _side(corners, self._length, self._along, apex, turn)
+            for apex, turn in zip(APEXES, (1.0, -1.0), strict=True)
+        ]
+
+    @property
+    def angle(self) -> Array:
+        """Angle across each hinge, rad, (-pi, pi], shape (h,)."""
+        first, second = (side.normal for side in self._sides)
+        return np.arctan2(_dot(self._along, _cross(first, second)), _dot(first, second))
+
+    @property
+    def gradient(self) -> Array:
+        """Derivative of the angle by the nodes' positions, 1/m, shape (h, 4, 3)."""
+        first, second = (_outer(side.weights, side.normal) for side in self._sides)
+        return first + second
+
+    def hessian(self, factor: Array) -> Array:
+        """Return a factor (h,) times the angle's second derivative, 1/m2, shape (h, 12, 12)."""
+        factor = factor[:, None, None]
+        ends = np.zeros((len(factor), 4))
+        ends[:, :2] = np.array([-1.0, 1.0]) / self._length[:, None]  # c / l
+        left, right = [], []
+        for side in self._sides:
+            left += [
+                factor * _outer(side.weights, side.normal),
+                factor * _outer(ends, side.normal),
+            ]
+            right += [
+                _outer(side.weights, side.inward),
+                0.5 * _outer(ends, side.inward) - _outer(side.weights, self._along),
+            ]
+        half = _as_columns(left) @ _as_columns(right).transpose(0, 2, 1)
+        return half + half.transpose(0, 2, 1)
 
 
 class _Side(NamedTuple):
@@ -97,37 +143,17 @@ class _Side(NamedTuple):
     weights: Array  # w / height, (h, 4)
 
 
-def _measure(corners: Array) -> tuple[_HingeLine, list[_Side]]:
-    edge = corners[:, 1] - corners[:, 0]
-    length = np.sqrt(_dot(edge, edge))
-    hinge = _HingeLine(length, edge / length[:, None])
-    return hinge, [
-        _side(corners, hinge, apex, turn) for apex, turn in zip(APEXES, (1.0, -1.0), strict=True)
-    ]
-
-
-def _side(corners: Array, hinge: _HingeLine, apex: int, turn: float) -> _Side:
+def _side(corners: Array, length: Array, along: Array, apex: int, turn: float) -> _Side:
     to_apex = corners[:, apex] - corners[:, 0]
-    foot = _dot(to_apex, hinge.along)
-    inward = to_apex - foot[:, None] * hinge.along
+    foot = _dot(to_apex, along)
+    inward = to_apex - foot[:, None] * along
     height = np.sqrt(_dot(inward, inward))
     inward /= height[:, None]
     weights = np.zeros((len(corners), 4))
-    weights[:, 1] = foot / hinge.length / height
+    weights[:, 1] = foot / length / height
     weights[:, 0] = 1 / height - weights[:, 1]
     weights[:, apex] = -1 / height
-    return _Side(turn * _cross(hinge.along, inward), inward, weights)
-
-
-def _angle(hinge: _HingeLine, sides: list[_Side]) -> Array:
-    first, second = (side.normal for side in sides)
-    return np.arctan2(_dot(hinge.along, _cross(first, second)), _dot(first, second))
-
-
-def _angle_gradient(sides: list[_Side]) -> Array:
-    """Return d theta by the nodes' positions, 1/m, shape (h, 4, 3)."""
-    first, second = (_outer(side.weights, side.normal) for side in sides)
-    return first + second
+    return _Side(turn * _cross(along, inward), inward, weights)
 
 
 def _outer(weights: Array, vector: Array) -> Array:

@@ -7,20 +7,23 @@ stops converging the run ends with its last shape, which the paper reports as a 
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
+from bilayer.errors import InputError
+from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState
+from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from dshell.assembly import total_energies
 from dshell.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
 from dshell.interface import bonded_interface
+from dshell.masses import lumped_masses
 from dshell.paper_rest_state import Ramp, rest_state
 from dshell.settings import PaperSettings
-from dshell.topology import sum_at_nodes
 
 Array = NDArray[np.float64]
 
@@ -39,6 +42,50 @@ class Release:
 
     state: MilestoneState
     stop_reason: str
+
+
+def release_paper(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    settings: PaperSettings,
+    start: xr.Dataset | None,
+    progress: Progress | None,
+) -> tuple[list[MilestoneState], str]:
+    """Run every milestone by itself, from flat.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        What to release; the settings' thickness rule takes the place of its own.
+    mesh : PlanarMesh
+        The flat bonded interface.
+    settings : PaperSettings
+        What the paper leaves open.
+    start : None
+        This model has no use for a start.
+    progress : callable or None
+        See `bilayer.solvers.Progress`.
+
+    Returns
+    -------
+    states : list of MilestoneState
+        One per milestone.
+    stop_reason : str
+        Which of them stopped before their end, and why.
+
+    Raises
+    ------
+    InputError
+        A start or a true weight is given.
+    """
+    _check_input(specimen, start)
+    ruled = replace(specimen, prestretch=replace(specimen.prestretch, thickness=settings.thickness))
+    releases = [
+        release(ruled, mesh, stretch, settings, _milestone_report(progress, specimen, index))
+        for index, stretch in enumerate(ruled.prestretch.milestones)
+    ]
+    reasons = [done.stop_reason for done in releases if done.stop_reason]
+    return [done.state for done in releases], "; ".join(reasons)
 
 
 def release(
@@ -125,14 +172,6 @@ def paper_body(
     )
 
 
-def lumped_masses(specimen: Specimen, mesh: PlanarMesh, thickness: float) -> Array:
-    """Return the mass of each node, kg: a third of each of its triangles, both layers."""
-    per_area = specimen.substrate.density * thickness + np.where(
-        mesh.region == KIRIGAMI, specimen.kirigami.density * specimen.kirigami.thickness, 0.0
-    )
-    return sum_at_nodes(mesh.triangles, per_area * mesh.areas / 3)
-
-
 def flat_start(mesh: PlanarMesh, thickness: float) -> Motion:
     """Return the flat bonded state at rest: the substrate's mid-plane, below the bond at z = 0."""
     depth = np.full(len(mesh.points), -thickness / 2)
@@ -153,3 +192,29 @@ def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
 
 def _stop_reason(prestretch: float, share: float, stop: ConvergenceError) -> str:
     return f"prestretch {prestretch:g} stopped after {share:.0%} of its ramp: {stop}"
+
+
+def _check_input(specimen: Specimen, start: xr.Dataset | None) -> None:
+    if start is not None:
+        raise InputError(
+            "start = a result: the paper's model runs each milestone from flat, expected none"
+        )
+    if specimen.gravity > 0:
+        raise InputError(
+            f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "
+            "weight (its gravity tapers to zero), expected 0"
+        )
+
+
+def _milestone_report(
+    progress: Progress | None, specimen: Specimen, index: int
+) -> Callable[[float], None]:
+    """Return what passes the share of one milestone's ramp on as progress of the whole."""
+    prestretches = specimen.prestretch.nominal
+
+    def report(share: float) -> None:
+        if progress is not None:
+            text = f"prestretch {prestretches[index]:g}, {share:.0%} of the ramp"
+            progress((index + share) / len(prestretches), text)
+
+    return report

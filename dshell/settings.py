@@ -8,11 +8,47 @@ from bilayer.errors import InputError
 from bilayer.settings import documented
 from bilayer.specimen import BONDED_THICKNESS_RULES
 from bilayer.validation import not_negative, one_of, positive, whole
+from dshell.through_thickness import PROFILES
+
+
+@dataclass(frozen=True)
+class StaticSettings:
+    """How the static solver finds equilibria; shared by the models that it solves."""
+
+    tolerance: float = documented(
+        1e-8, "norm of the residual force at an equilibrium over that of the flat state"
+    )
+    max_iterations: int = documented(60, "Newton iterations allowed in one load step")
+    longest_step: float = documented(
+        0.1, "largest displacement in one Newton iteration over the outer radius"
+    )
+    smallest_step: float = documented(
+        0.01, "smallest load step that is tried over the way between two milestones"
+    )
+
+    def __post_init__(self) -> None:
+        whole("solver.max_iterations", self.max_iterations, at_least=1)
+        for name in ("tolerance", "longest_step", "smallest_step"):
+            positive(f"solver.{name}", getattr(self, name))
+
+
+@dataclass(frozen=True)
+class MorleySettings(StaticSettings):
+    """The accurate shell: Morley's bending on the laminate's own layers."""
+
+    profile: str = documented(
+        "quadratic",
+        "strain through the thickness: 'quadratic' E + z k + z^2 k^2 / 2, 'linear' E + z k",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        one_of("solver.profile", self.profile, PROFILES)
 
 
 @dataclass(frozen=True)
 class PaperSettings:
-    """What the paper leaves open about its discrete shell; see docs/theory.md for the reasons."""
+    """What the paper leaves open about its discrete shell; see docs/theory-dshell.md."""
 
     stopping_is_a_result: ClassVar[bool] = True  # where it fails is one of the paper's results
 

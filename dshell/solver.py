@@ -1,7 +1,6 @@
 """The discrete shell from a specimen to a result."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import scipy
@@ -10,11 +9,13 @@ import xarray as xr
 from bilayer.errors import InputError
 from bilayer.mesh_generation import check_memory, generate_mesh
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import build_result
+from bilayer.result import MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from dshell.paper_model import release
-from dshell.settings import PaperSettings
+from dshell.morley_model import MorleyModel
+from dshell.paper_model import release_paper
+from dshell.settings import MorleySettings, PaperSettings
+from dshell.static_release import release_static
 
 PARALLEL = False
 """Under mpirun the first rank computes alone."""
@@ -22,30 +23,52 @@ PARALLEL = False
 BYTES_PER_TRIANGLE = 25_000
 """Memory that a run takes (measured: 14 kB per triangle at 6 000 triangles, 24 kB at 19 000)."""
 
-MODELS = {"paper": PaperSettings}
+MODELS = {"morley": MorleySettings, "paper": PaperSettings}
+
+Settings = MorleySettings | PaperSettings
+Release = Callable[
+    [Specimen, PlanarMesh, Any, xr.Dataset | None, Progress | None],
+    tuple[list[MilestoneState], str],
+]
+
+
+def _release_morley(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    settings: MorleySettings,
+    start: xr.Dataset | None,
+    progress: Progress | None,
+) -> tuple[list[MilestoneState], str]:
+    model = MorleyModel(specimen, mesh, settings)
+    return release_static(specimen, mesh, model, settings, start, progress)
+
+
+_RELEASES: dict[str, Release] = {"morley": _release_morley, "paper": release_paper}
 
 
 def solve(
     specimen: Specimen,
-    settings: PaperSettings,
+    settings: Settings | None = None,
     *,
     mesh: PlanarMesh | None = None,
     start: xr.Dataset | None = None,
     comm: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compute the shapes of a specimen at its milestones, each a run of its own from flat.
+    """Compute the shapes of a specimen at its milestones.
 
     Parameters
     ----------
     specimen : Specimen
-        What to release; its true weight must be zero.
-    settings : PaperSettings
-        What the paper leaves open; its `thickness` takes the place of the specimen's rule.
+        What to release. Its weight, if any, is a dead load along -z that the held nodes carry
+        (nearly all of it the centre node); the paper's model has none.
+    settings : MorleySettings or PaperSettings, optional
+        Their type chooses the model; the default model's defaults where left out.
     mesh : PlanarMesh, optional
         The planar mesh; made from the specimen where left out.
-    start : None
-        This model has no use for a start.
+    start : Dataset, optional
+        A result on the same planar mesh, from any solver: its shape nearest to the first milestone
+        starts the first milestone. The paper's model has no use for it.
     comm : mpi4py.MPI.Comm, optional
         Not used: each rank that calls computes the whole result.
     progress : callable, optional
@@ -54,59 +77,36 @@ def solve(
     Returns
     -------
     Dataset
-        See `bilayer.result`. A milestone whose run stopped converging has its last shape in
+        See `bilayer.result`. A milestone that was not reached has its last shape in
         `last_position`; `stop_reason` says where it stopped and why.
 
     Raises
     ------
     InputError
-        A start or a true weight is given, the settings are of another kind, or the mesh would not
-        fit into memory.
+        The settings are of no model, the start is on another mesh, the paper's model is given a
+        start or a true weight, or the mesh would not fit into memory.
     """
-    _check_input(specimen, settings, start)
+    chosen = MorleySettings() if settings is None else settings
+    model = _model_of(chosen)
     if mesh is None:
         check_memory(specimen, BYTES_PER_TRIANGLE, "the discrete shell")
         mesh = generate_mesh(specimen)
-    ruled = replace(specimen, prestretch=replace(specimen.prestretch, thickness=settings.thickness))
-    releases = [
-        release(ruled, mesh, stretch, settings, _milestone_report(progress, specimen, index))
-        for index, stretch in enumerate(ruled.prestretch.milestones)
-    ]
+    states, stop_reason = _RELEASES[model](specimen, mesh, chosen, start, progress)
     return build_result(
         specimen,
         mesh,
-        [done.state for done in releases],
+        states,
         solver="dshell",
-        model="paper",
-        settings=settings,
+        model=model,
+        settings=chosen,
         versions={"scipy": scipy.__version__},
-        stop_reason="; ".join(done.stop_reason for done in releases if done.stop_reason),
+        stop_reason=stop_reason,
     )
 
 
-def _check_input(specimen: Specimen, settings: PaperSettings, start: xr.Dataset | None) -> None:
-    if not isinstance(settings, PaperSettings):
-        raise InputError(f"settings = {settings!r}: expected PaperSettings")
-    if start is not None:
-        raise InputError(
-            "start = a result: the paper's model runs each milestone from flat, expected none"
-        )
-    if specimen.gravity > 0:
-        raise InputError(
-            f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "
-            "weight (its gravity tapers to zero), expected 0"
-        )
-
-
-def _milestone_report(
-    progress: Progress | None, specimen: Specimen, index: int
-) -> Callable[[float], None]:
-    """Return what passes the share of one milestone's ramp on as progress of the whole."""
-    prestretches = specimen.prestretch.nominal
-
-    def report(share: float) -> None:
-        if progress is not None:
-            text = f"prestretch {prestretches[index]:g}, {share:.0%} of the ramp"
-            progress((index + share) / len(prestretches), text)
-
-    return report
+def _model_of(settings: Any) -> str:
+    for model, kind in MODELS.items():
+        if type(settings) is kind:
+            return model
+    kinds = ", ".join(kind.__name__ for kind in MODELS.values())
+    raise InputError(f"settings = {settings!r}: expected one of {kinds}")

@@ -73,6 +73,52 @@ class Topology:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class FaceNeighbours:
+    """What lies across the edges of each triangle; edge i is the one opposite to corner i.
+
+    Parameters
+    ----------
+    edge_count : int
+        Number of edges.
+    edges : (m, 3) array of int
+        Each edge's row in `Topology.edges`.
+    side : (m, 3) array of float
+        1 where the triangle is the first at that edge, -1 where it is the second.
+    shared : (m, 3) array of bool
+        Whether there is a neighbour.
+    apexes : (m, 3) array of int
+        The neighbour's far node; the triangle's own where there is none.
+    """
+
+    edge_count: int
+    edges: NDArray[np.int64]
+    side: NDArray[np.float64]
+    shared: NDArray[np.bool_]
+    apexes: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, triangles: NDArray[np.int64]) -> "FaceNeighbours":
+        """Return the neighbours in a triangulation; InputError as by `Topology.of`."""
+        topology = Topology.of(triangles)
+        ends = np.sort(np.stack([triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]], axis=2), axis=2)
+        count = triangles.max() + 1
+        edges = np.searchsorted(topology.edges @ np.array([count, 1]), ends @ np.array([count, 1]))
+        shape = (len(topology.edges), 2)
+        apexes, faces = np.full(shape, -1), np.full(shape, -1)
+        apexes[topology.hinge_edges] = topology.hinges[:, [2, 3]]
+        faces[topology.hinge_edges] = topology.hinge_faces
+        second = faces[edges, 1] == np.arange(len(triangles))[:, None]
+        across = apexes[edges, np.where(second, 0, 1)]
+        return cls(
+            edge_count=len(topology.edges),
+            edges=edges,
+            side=np.where(second, -1.0, 1.0),
+            shared=across >= 0,
+            apexes=np.where(across >= 0, across, triangles),
+        )
+
+
 def sum_at_nodes(triangles: NDArray[np.int64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return, for each node, the sum of a value over its triangles.
 

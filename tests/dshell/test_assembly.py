@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dshell.assembly import Assembly, total_energies
+from dshell.assembly import Assembly, coordinates_of, total_energies
 from dshell.edge_springs import EdgeSprings
 from dshell.hinges import Hinges
 from dshell.topology import Topology
@@ -25,7 +25,8 @@ def shell(coarse_mesh):
 
 
 def assembly_of(energies, positions):
-    return Assembly(len(positions), [term.nodes for term in energies], HELD)
+    held = coordinates_of(np.array(HELD)).reshape(-1)
+    return Assembly(positions.size, [term.dofs for term in energies], held)
 
 
 def free_dofs(positions):

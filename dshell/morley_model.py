@@ -1,0 +1,74 @@
+"""The accurate model: Morley's shell with the layers and the natural state of a specimen."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
+from bilayer.specimen import Specimen
+from dshell.morley import MorleyFaces
+from dshell.plane_stress import plane_stress_law
+from dshell.settings import MorleySettings
+from dshell.through_thickness import PROFILES, Laminate, ShellLayer
+
+Array = NDArray[np.float64]
+
+
+class MorleyModel:
+    """A specimen on its planar mesh as Morley's shell; see `dshell.static_release.ShellModel`.
+
+    Parameters
+    ----------
+    specimen, mesh
+        What is released, on which planar mesh.
+    settings : MorleySettings
+        How strain varies through the thickness.
+    """
+
+    def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: MorleySettings) -> None:
+        self._specimen, self._mesh = specimen, mesh
+        self._profile = PROFILES[settings.profile]()
+        self.extra_dofs = self.energies((1.0, 1.0))[0].edge_count
+
+    def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
+        """Return the one energy, its substrate stretched by (lambda_x, lambda_y)."""
+        laminate = Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._profile)
+        return [MorleyFaces(self._mesh.points, self._mesh.triangles, laminate)]
+
+    def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
+        """Return the energy of each layer, J."""
+        (faces,) = self.energies(stretch)
+        return faces.layer_energies(state[faces.dofs])
+
+
+def specimen_layers(
+    specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]
+) -> list[ShellLayer]:
+    """Return the layers from the substrate's mid-plane up, in the flat bonded state.
+
+    Parameters
+    ----------
+    specimen, mesh
+        Thicknesses and materials; which triangles carry kirigami.
+    stretch : (float, float)
+        (lambda_x, lambda_y) of the substrate.
+    """
+    half = specimen.bonded_thickness(stretch) / 2
+    substrate = ShellLayer(
+        "substrate",
+        plane_stress_law(specimen.substrate.material),
+        -half,
+        half,
+        np.diag(stretch),
+    )
+    covered = np.flatnonzero(mesh.region == KIRIGAMI)
+    kirigami = ShellLayer(
+        "kirigami",
+        plane_stress_law(specimen.kirigami.material),
+        half,
+        half + specimen.kirigami.thickness,
+        np.eye(2),
+        covered,
+    )
+    return [substrate, kirigami] if len(covered) else [substrate]

@@ -1,0 +1,54 @@
+"""Six held coordinates that take away the rigid motion and nothing else.
+
+One node is held in x, y and z, a far one in y and z, a third, off their line, in z. Elastic forces
+are in balance, so at an equilibrium without a load the reactions vanish and the shape is free; a
+weight is carried there, nearly all of it by the first node.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.planar_mesh import PlanarMesh
+from dshell.assembly import coordinates_of
+
+Array = NDArray[np.float64]
+
+
+def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
+    """Return the nodes that are held: the centre, a far one along x, one that spans the most."""
+    centre = mesh.centre_node
+    arms = mesh.points - mesh.points[centre]
+    far = int(np.argmax(arms[:, 0]))
+    side = int(np.argmax(np.abs(arms[far, 0] * arms[:, 1] - arms[far, 1] * arms[:, 0])))
+    return centre, far, side
+
+
+def held_coordinates(mesh: PlanarMesh) -> NDArray[np.int64]:
+    """Return the six coordinates, by their places in the state."""
+    a, b, c = coordinates_of(np.array(held_nodes(mesh)))
+    return np.concatenate([a, b[1:], c[2:]])
+
+
+def placed(shape: Array, mesh: PlanarMesh, height: float) -> Array:
+    """Move a shape rigidly so that its held coordinates are those of the flat mesh.
+
+    Parameters
+    ----------
+    shape : (n, 3) array of float
+        Any position and orientation, m.
+    mesh : PlanarMesh
+        The flat state.
+    height : float
+        z of the flat state, m.
+    """
+    a, b, c = held_nodes(mesh)
+    flat = mesh.points - mesh.points[a]
+    moved = shape - shape[a]
+    length = np.linalg.norm(moved[b])
+    along = moved[b] / length
+    normal = np.cross(along, moved[c])
+    normal *= np.sign(flat[b, 0] * flat[c, 1] - flat[b, 1] * flat[c, 0]) / np.linalg.norm(normal)
+    turn = np.arcsin(np.clip(flat[b, 1] / length, -1, 1))
+    x = np.cos(turn) * along - np.sin(turn) * np.cross(normal, along)
+    frame = np.stack([x, np.cross(normal, x), normal])
+    return moved @ frame.T + np.array([*mesh.points[a], height])

@@ -1,0 +1,295 @@
+"""Release without time: the equilibria of a shell at its milestones, each from the one before.
+
+A milestone is tried in one step from the last equilibrium, the first one from flat; where Newton's
+method fails, the prestretch goes there in smaller steps. An equilibrium with unstable modes is
+left along the first of them.
+"""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.alignment import aligned
+from bilayer.errors import ComputationError, InputError
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.result import MilestoneState, result_mesh
+from bilayer.solvers import Progress
+from bilayer.specimen import Specimen
+from bilayer.surface import flat_surface
+from dshell.assembly import Assembly, Energy
+from dshell.interface import bonded_interface
+from dshell.linear_solver import LinearSolver, best_linear_solver
+from dshell.masses import lumped_masses
+from dshell.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
+from dshell.rigid_motion import held_coordinates, placed
+from dshell.settings import StaticSettings
+
+Array = NDArray[np.float64]
+Stretch = tuple[float, float]
+
+UNSTRETCHED: Stretch = (1.0, 1.0)
+
+
+class ShellModel(Protocol):
+    """What a model is to the load path: its degrees of freedom, and its energies by prestretch."""
+
+    extra_dofs: int
+    """Degrees of freedom behind the nodes' coordinates."""
+
+    def energies(self, stretch: Stretch) -> Sequence[Energy]:
+        """Return the energies at a prestretch, always on the same stencils."""
+
+    def energy_terms(self, stretch: Stretch, state: Array) -> Mapping[str, float]:
+        """Return the energies that a result lists, J."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A state that Newton's method has found.
+
+    Parameters
+    ----------
+    stretch : (float, float)
+        Its prestretch.
+    state : array of float
+        All degrees of freedom, m.
+    residual : float
+        Norm of the residual force over that of the flat state.
+    """
+
+    stretch: Stretch
+    state: Array
+    residual: float = 0.0
+
+
+class StaticRelease:
+    """The load path of a shell.
+
+    Parameters
+    ----------
+    specimen, mesh
+        What is released, on which planar mesh.
+    model : ShellModel
+        Its energies.
+    settings : StaticSettings
+        Tolerances and limits.
+    linear_solver : LinearSolver
+        For Newton's steps.
+    """
+
+    def __init__(
+        self,
+        specimen: Specimen,
+        mesh: PlanarMesh,
+        model: ShellModel,
+        settings: StaticSettings,
+        linear_solver: LinearSolver,
+    ) -> None:
+        self._specimen, self._mesh, self._model, self._settings = specimen, mesh, model, settings
+        stencils = [term.dofs for term in model.energies(UNSTRETCHED)]
+        size = 3 * len(mesh.points) + model.extra_dofs
+        assembly = Assembly(size, stencils, held_coordinates(mesh))
+        self._solver = EquilibriumSolver(assembly, linear_solver)
+        self._longest_step = settings.longest_step * specimen.outer_radius
+        self.iterations = self.load_steps = 0
+
+    def flat(self, stretch: Stretch = UNSTRETCHED) -> Equilibrium:
+        """Return the flat bonded state: the substrate's mid-plane, below the bond at z = 0."""
+        thickness = self._specimen.bonded_thickness(stretch)
+        return Equilibrium(stretch, self._state_of(_flat_midplane(self._mesh, thickness)))
+
+    def started(self, result: xr.Dataset, stretch: Stretch) -> Equilibrium:
+        """Return the shape of a result nearest to a prestretch as the shell's at that prestretch.
+
+        It is where Newton's method starts, and no equilibrium of the shell yet.
+        """
+        thickness = self._specimen.bonded_thickness(stretch)
+        mesh = self._mesh
+        shape = starting_shape(result, mesh, max(stretch))
+        midplane = bonded_interface(shape, mesh.triangles, mesh.areas, -thickness)
+        return Equilibrium(stretch, self._state_of(placed(midplane, mesh, -thickness / 2)))
+
+    def _state_of(self, midplane: Array) -> Array:
+        """Return the state with the nodes at a midplane (n, 3), m, and nothing else moved."""
+        return np.concatenate([midplane.reshape(-1), np.zeros(self._model.extra_dofs)])
+
+    def _interface(self, here: Equilibrium) -> Array:
+        """Return the bonded interface, m, shape (n, 3).
+
+        A shape without weight has no orientation of its own: it is turned to lie on the flat disc
+        as well as it can, and not as the held nodes happen to tilt it.
+        """
+        mesh = self._mesh
+        midplane = here.state[: 3 * len(mesh.points)].reshape(-1, 3)
+        thickness = self._specimen.bonded_thickness(here.stretch)
+        shape = bonded_interface(midplane, mesh.triangles, mesh.areas, thickness)
+        if self._specimen.gravity > 0:
+            return shape
+        flat = flat_surface(mesh)
+        return aligned(shape, flat.points, flat.node_areas)
+
+    def _body(self, stretch: Stretch) -> Body:
+        """Return the shell at a prestretch, with its weight."""
+        masses = lumped_masses(self._specimen, self._mesh, self._specimen.bonded_thickness(stretch))
+        load = np.zeros((len(masses), 3))
+        load[:, 2] = -self._specimen.gravity * masses
+        return Body(self._model.energies(stretch), self._state_of(load))
+
+    def approach(self, start: Equilibrium, target: Stretch) -> Iterator[Equilibrium]:
+        """Go to a prestretch, in one step if that works.
+
+        Yields
+        ------
+        Equilibrium
+            Each one on the way; the last is at the target.
+
+        Raises
+        ------
+        ComputationError
+            The smallest step fails, too.
+        """
+        share, step = 0.0, 1.0
+        here = start
+        while share < 1:
+            end = min(1.0, share + step)
+            stretch = _between(start.stretch, target, end)
+            found = self._equilibrium(here.state, stretch)
+            if isinstance(found, Equilibrium):
+                share, here = end, found
+                yield here
+            elif step / 2 < self._settings.smallest_step:
+                raise ComputationError(
+                    f"Newton's method did not converge: residual {found.residual:.3g} N "
+                    f"after {found.iterations} iterations, in a step to {max(stretch):.6g}"
+                )
+            else:
+                step /= 2
+
+    def milestone_state(
+        self, here: Equilibrium, converged: bool, wall_time: float
+    ) -> MilestoneState:
+        """Return what a result keeps of an equilibrium, and of the work since the last one."""
+        stretch, state = here.stretch, here.state
+        return MilestoneState(
+            self._interface(here),
+            converged=converged,
+            reached=max(stretch),
+            energy=self._model.energy_terms(stretch, state),
+            iterations=self.iterations,
+            load_steps=self.load_steps,
+            residual=here.residual,
+            unstable_modes=self._solver.unstable_modes(self._body(stretch), state),
+            wall_time=wall_time,
+        )
+
+    def _equilibrium(self, state: Array, stretch: Stretch) -> Equilibrium | Outcome:
+        """Settle at a prestretch; return the outcome as it is where that fails."""
+        body = self._body(stretch)
+        scale = self._force_scale(body, stretch)
+        limits = NewtonLimits(
+            self._settings.tolerance * scale, self._settings.max_iterations, self._longest_step
+        )
+        outcome = self._solver.settle(body, state, limits)
+        self.load_steps += 1
+        self.iterations += outcome.iterations
+        if not outcome.converged:
+            return outcome
+        return Equilibrium(stretch, outcome.state, outcome.residual / scale if scale else 0.0)
+
+    def _force_scale(self, body: Body, stretch: Stretch) -> float:
+        """Return what the tolerance is relative to: the forces on the flat state, N."""
+        flat = self._solver.residual(Body(body.energies, 0 * body.load), self.flat(stretch).state)
+        return float(np.linalg.norm(flat) + np.linalg.norm(body.load))
+
+
+def release_static(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    model: ShellModel,
+    settings: StaticSettings,
+    start: xr.Dataset | None,
+    progress: Progress | None,
+) -> tuple[list[MilestoneState], str]:
+    """Visit the milestones of a specimen in their order.
+
+    Parameters
+    ----------
+    specimen, mesh, model, settings
+        As for `StaticRelease`.
+    start : Dataset or None
+        A result on the same mesh, whose shape nearest to the first milestone starts it.
+    progress : callable or None
+        See `bilayer.solvers.Progress`.
+
+    Returns
+    -------
+    states : list of MilestoneState
+        Of the milestones reached and, last, of the one where the path stopped.
+    stop_reason : str
+        Why it stopped, or an empty text.
+
+    Raises
+    ------
+    InputError
+        The start is on another mesh, or has no milestone.
+    """
+    path = StaticRelease(specimen, mesh, model, settings, best_linear_solver())
+    milestones = specimen.prestretch.milestones
+    here = path.flat() if start is None else path.started(start, milestones[0])
+    states: list[MilestoneState] = []
+    for index, stretch in enumerate(milestones):
+        begun = time.perf_counter()
+        path.iterations = path.load_steps = 0
+        failure = ""
+        try:
+            for equilibrium in path.approach(here, stretch):
+                here = equilibrium
+                _report(progress, (index + (here.stretch == stretch)) / len(milestones), here)
+        except ComputationError as error:
+            failure = f"stopped at prestretch {max(here.stretch):.6g}: {error}"
+        states.append(path.milestone_state(here, not failure, time.perf_counter() - begun))
+        if failure:
+            return states, failure
+    return states, ""
+
+
+def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> Array:
+    """Return the shape of a result at its milestone nearest to a prestretch, m, shape (n, 3).
+
+    Raises
+    ------
+    InputError
+        The result is on another planar mesh, or reached no milestone.
+    """
+    if not result_mesh(start).same_as(mesh):
+        raise InputError(
+            f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
+            f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
+        )
+    reached = start.isel(prestretch=np.flatnonzero(start["converged"].values == 1))
+    if reached.sizes["prestretch"] == 0:
+        raise InputError("start: has no converged milestone, expected at least one")
+    shape: Array = reached["position"].sel(prestretch=prestretch, method="nearest").values
+    return shape
+
+
+def _report(progress: Progress | None, share: float, here: Equilibrium) -> None:
+    if progress is not None:
+        progress(share, f"prestretch {max(here.stretch):g}")
+
+
+def _flat_midplane(mesh: PlanarMesh, thickness: float) -> Array:
+    return np.column_stack([mesh.points, np.full(len(mesh.points), -thickness / 2)])
+
+
+def _between(start: Stretch, end: Stretch, share: float) -> Stretch:
+    """Return the stretch at a share of the way; the end itself at 1."""
+    if share == 1:
+        return end
+    x, y = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+    return x, y

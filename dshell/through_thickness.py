@@ -1,0 +1,190 @@
+"""Layers through the thickness: the energy per area of a shell from its strain and curvature.
+
+The six components s = (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy) are the Green strain of the reference
+surface and the change of its curvature (positive where it bulges toward +z), both from the flat
+bonded state. A *profile* says which strain they make at a height z; a layer's material answers to
+it; Gauss points through each layer, which need not contain the reference surface, add up.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dshell.plane_stress import PlaneStressLaw
+
+Array = NDArray[np.float64]
+
+GAUSS_POINTS = 3
+"""In each layer; the energy is a polynomial of degree 2 in z, to first order in the strain."""
+
+
+class Profile(Protocol):
+    """The strain at a height z above the reference surface, from s of shape (6, m)."""
+
+    def strain(self, s: Array, z: float) -> Array:
+        """Return the strain (exx, eyy, 2 exy), shape (3, m)."""
+
+    def slope(self, s: Array, z: float) -> Array:
+        """Return its derivative by s, shape (3, 6, m)."""
+
+    def bend(self, s: Array, z: float, stress: Array) -> Array:
+        """Return its second derivative by s times a stress of shape (3, m), shape (6, 6, m)."""
+
+
+class LinearProfile:
+    """e = E + z k."""
+
+    def strain(self, s: Array, z: float) -> Array:
+        """See `Profile`."""
+        return s[:3] + z * s[3:]
+
+    def slope(self, s: Array, z: float) -> Array:
+        """See `Profile`."""
+        rows = np.hstack([np.eye(3), z * np.eye(3)])
+        return np.broadcast_to(rows[:, :, None], (3, 6, s.shape[1]))
+
+    def bend(self, s: Array, z: float, stress: Array) -> Array:
+        """See `Profile`."""
+        return np.zeros((6, 6, s.shape[1]))
+
+
+class QuadraticProfile:
+    """e = E + z k + z^2 k k / 2: a fibre is longer by how much it is further out, exactly."""
+
+    def strain(self, s: Array, z: float) -> Array:
+        """See `Profile`."""
+        x, y, g = s[3:]
+        square = np.stack([x * x + g * g / 4, y * y + g * g / 4, g * (x + y)])
+        return s[:3] + z * s[3:] + 0.5 * z**2 * square
+
+    def slope(self, s: Array, z: float) -> Array:
+        """See `Profile`."""
+        x, y, g = s[3:]
+        slope = np.zeros((3, 6, s.shape[1]))
+        for row in range(3):
+            slope[row, row] = 1.0
+        half = 0.5 * z**2
+        slope[0, 3], slope[0, 5] = z + 2 * half * x, half * g / 2
+        slope[1, 4], slope[1, 5] = z + 2 * half * y, half * g / 2
+        slope[2, 3] = slope[2, 4] = half * g
+        slope[2, 5] = z + half * (x + y)
+        return slope
+
+    def bend(self, s: Array, z: float, stress: Array) -> Array:
+        """See `Profile`."""
+        bend = np.zeros((6, 6, s.shape[1]))
+        half = 0.5 * z**2
+        bend[3, 3], bend[4, 4] = 2 * half * stress[0], 2 * half * stress[1]
+        bend[5, 5] = half * (stress[0] + stress[1]) / 2
+        for row in (3, 4):
+            bend[row, 5] = bend[5, row] = half * stress[2]
+        return bend
+
+
+PROFILES: dict[str, type[Profile]] = {"linear": LinearProfile, "quadratic": QuadraticProfile}
+"""Profiles by the name that a setting gives them."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShellLayer:
+    """One layer of a shell with its natural state.
+
+    Parameters
+    ----------
+    name : str
+        What its energy is called in a result.
+    law : PlaneStressLaw
+        Its material.
+    bottom, top : float
+        Heights above the reference surface in the flat bonded state, m. The energy is integrated
+        over them: a prestretch keeps the volume, so they hold the natural volume.
+    prestretch : (2, 2) or (2, 2, k) array of float
+        Stretch that the flat bonded state has from the natural one, symmetric; one for all faces
+        or one for each that the layer covers.
+    faces : (k,) array of int or None
+        Faces that the layer covers; None: all.
+    """
+
+    name: str
+    law: PlaneStressLaw
+    bottom: float
+    top: float
+    prestretch: Array
+    faces: NDArray[np.int64] | None = None
+    points: tuple[tuple[float, float], ...] = field(init=False)  # heights and weights
+
+    def __post_init__(self) -> None:
+        at, weight = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        middle, half = (self.top + self.bottom) / 2, (self.top - self.bottom) / 2
+        pairs = zip(middle + half * at, half * weight, strict=True)
+        object.__setattr__(self, "points", tuple((float(z), float(w)) for z, w in pairs))
+        S = np.asarray(self.prestretch, dtype=float)
+        object.__setattr__(self, "prestretch", S if S.ndim == 3 else S[:, :, None])
+
+    @property
+    def covered(self) -> "NDArray[np.int64] | slice":
+        """Index of the faces that the layer covers."""
+        return slice(None) if self.faces is None else self.faces
+
+
+@dataclass(frozen=True, eq=False)
+class Laminate:
+    """Layers that share a reference surface: energy per area of the flat bonded state.
+
+    Parameters
+    ----------
+    layers : sequence of ShellLayer
+        From the same reference surface.
+    profile : Profile
+        How strain varies through the thickness.
+    """
+
+    layers: Sequence[ShellLayer]
+    profile: Profile
+
+    @property
+    def thickness(self) -> float:
+        """From the bottom of the lowest layer to the top of the highest, m."""
+        return max(layer.top for layer in self.layers) - min(layer.bottom for layer in self.layers)
+
+    def layer_energy(self, layer: ShellLayer, s: Array) -> Array:
+        """Return one layer's energy per area, J/m2, shape (k,), from s on the k faces it covers."""
+        total = np.zeros(s.shape[1])
+        for z, weight in layer.points:
+            total += weight * layer.law.energy(self.profile.strain(s, z), layer.prestretch)
+        return total
+
+    def energy(self, s: Array) -> Array:
+        """Return the energy per area, J/m2, shape (m,), from s of shape (6, m)."""
+        total = np.zeros(s.shape[1])
+        for layer in self.layers:
+            total[layer.covered] += self.layer_energy(layer, s[:, layer.covered])
+        return total
+
+    def resultants(self, s: Array) -> Array:
+        """Return its derivative by s, membrane forces (N/m) and moments (N), shape (6, m)."""
+        total = np.zeros(s.shape)
+        for layer in self.layers:
+            part = s[:, layer.covered]
+            for z, weight in layer.points:
+                stress = layer.law.stress(self.profile.strain(part, z), layer.prestretch)
+                slope = self.profile.slope(part, z)
+                total[:, layer.covered] += weight * np.einsum("iam,im->am", slope, stress)
+        return total
+
+    def stiffness(self, s: Array) -> Array:
+        """Return its second derivative by s, shape (6, 6, m)."""
+        total = np.zeros((6, 6, s.shape[1]))
+        for layer in self.layers:
+            part = s[:, layer.covered]
+            for z, weight in layer.points:
+                strain, slope = self.profile.strain(part, z), self.profile.slope(part, z)
+                tangent = layer.law.tangent(strain, layer.prestretch)
+                stress = layer.law.stress(strain, layer.prestretch)
+                answer = np.einsum("iam,ijm,jbm->abm", slope, tangent, slope, optimize=True)
+                answer += self.profile.bend(part, z, stress)
+                total[:, :, layer.covered] += weight * answer
+        return total

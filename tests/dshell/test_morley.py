@@ -1,0 +1,94 @@
+"""The Morley shell's energy: derivatives, rigid motions, constant curvature on any mesh."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from finite_differences import derivative
+from scipy.spatial.transform import Rotation
+
+from bilayer import paper_specimen
+from dshell.assembly import Assembly
+from dshell.morley import MorleyFaces
+from dshell.morley_model import specimen_layers
+from dshell.through_thickness import PROFILES, Laminate
+
+STRETCH = (1.2, 1.1)
+
+
+@pytest.fixture(params=PROFILES)
+def faces(request, coarse_mesh):
+    """A bilayer in millimetres and newtons, so that all its numbers are of order one to 100."""
+    layers = specimen_layers(paper_specimen(), coarse_mesh, STRETCH)
+    scaled = [
+        replace(
+            layer,
+            bottom=1e3 * layer.bottom,
+            top=1e3 * layer.top,
+            law=replace(
+                layer.law,
+                c10=1e-5 * layer.law.c10, c01=1e-5 * layer.law.c01, d1=1e5 * layer.law.d1,
+            ),
+        )
+        for layer in layers
+    ]  # fmt: skip
+    laminate = Laminate(scaled, PROFILES[request.param]())
+    return MorleyFaces(1e3 * coarse_mesh.points, coarse_mesh.triangles, laminate)
+
+
+@pytest.fixture
+def state(faces, coarse_mesh):
+    """A rough dome."""
+    rng = np.random.default_rng(1)
+    x, y = 1e3 * coarse_mesh.points.T
+    dome = np.column_stack([0.95 * x, 0.97 * y, -0.01 * (x**2 + y**2)])
+    dome += rng.uniform(-0.3, 0.3, dome.shape)
+    return np.concatenate([dome.reshape(-1), rng.uniform(-0.3, 0.3, faces.edge_count)])
+
+
+def test_gradient_is_the_derivative_of_the_energy(faces, state):
+    values = state[faces.dofs]
+    gradient = faces.gradient(values)
+    expected = derivative(faces.energy, values, 1e-3)
+    assert np.abs(gradient - expected).max() < 1e-7 * np.abs(gradient).max()
+
+
+def test_hessian_is_the_derivative_of_the_gradient(faces, state):
+    values = state[faces.dofs]
+    hessian = faces.hessian(values)
+    expected = derivative(faces.gradient, values, 1e-3)
+    assert np.abs(hessian - expected).max() < 1e-7 * np.abs(hessian).max()
+    assert np.allclose(hessian, hessian.transpose(0, 2, 1), atol=1e-10 * np.abs(hessian).max())
+
+
+def test_convex_hessian_has_no_negative_eigenvalue(faces, state):
+    convex = faces.convex_hessian(state[faces.dofs])
+    least = np.linalg.eigvalsh(convex)[:, 0]
+    assert least.min() > -1e-9 * np.abs(convex).max()
+
+
+def rotated(state, edges, rotation):
+    nodes = rotation.apply(state[:-edges].reshape(-1, 3)) + np.array([3.0, -2.0, 1.0])
+    return np.concatenate([nodes.reshape(-1), state[-edges:]])
+
+
+def test_a_rigid_motion_changes_nothing(faces, state):
+    rotation = Rotation.from_rotvec([0.7, -1.9, 0.4])
+    moved = rotated(state, faces.edge_count, rotation)
+    before, after = faces.energy(state[faces.dofs]), faces.energy(moved[faces.dofs])
+    assert np.abs(after - before).max() < 1e-9 * np.abs(before).max()
+
+
+def test_forces_are_in_balance(faces, state):
+    assembly = Assembly(len(state), [faces.dofs])
+    forces = assembly.gradient([faces], state)[: -faces.edge_count].reshape(-1, 3)
+    moments = np.cross(state[: -faces.edge_count].reshape(-1, 3), forces)
+    assert np.abs(forces.sum(axis=0)).max() < 1e-9 * np.abs(forces).max()
+    assert np.abs(moments.sum(axis=0)).max() < 1e-9 * np.abs(moments).max()
+
+
+def test_layer_energies_add_up(faces, state):
+    values = state[faces.dofs]
+    parts = faces.layer_energies(values)
+    assert set(parts) == {"substrate", "kirigami"}
+    assert sum(parts.values()) == pytest.approx(faces.energy(values).sum())

@@ -1,0 +1,131 @@
+"""Plane-stress laws: derivatives, closed forms (ladder, rung 1), the eliminated thickness."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean
+from dshell.plane_stress import plane_stress_law
+
+C10, C01 = 4839.1, 14536.0  # Pa, the substrate of the verification ladder
+COMPRESSIBLE = MooneyRivlin(C10, C01, 1.0392e-6)
+LAWS = {
+    "incompressible": MooneyRivlin(C10, C01),
+    "compressible": COMPRESSIBLE,
+    "soft in volume": MooneyRivlin(C10, C01, 5e-5),
+    "neo-Hookean": NeoHookean(C10),
+    "linear": LinearElastic(116_250.0, 0.3),
+}
+PRESTRETCH = np.array([[1.2, 0.05], [0.05, 0.9]])[:, :, None]
+UNSTRETCHED = np.eye(2)[:, :, None]
+
+
+@pytest.fixture(params=LAWS.values(), ids=LAWS)
+def law(request):
+    return plane_stress_law(request.param)
+
+
+@pytest.fixture
+def strain():
+    return np.random.default_rng(0).uniform(-0.15, 0.25, (3, 40))
+
+
+def differences(function, strain, step=1e-4):
+    columns = []
+    for row in np.eye(3)[:, :, None] * step:
+        near = function(strain + row) - function(strain - row)
+        far = function(strain + 2 * row) - function(strain - 2 * row)
+        columns.append((8 * near - far) / (12 * step))
+    return np.stack(columns, axis=-2)
+
+
+def test_stress_is_the_derivative_of_the_energy(law, strain):
+    stress = law.stress(strain, PRESTRETCH)
+    expected = differences(lambda e: law.energy(e, PRESTRETCH), strain)
+    assert np.abs(stress - expected).max() < 1e-7 * np.abs(stress).max()
+
+
+def test_tangent_is_the_derivative_of_the_stress(law, strain):
+    tangent = law.tangent(strain, PRESTRETCH)
+    expected = differences(lambda e: law.stress(e, PRESTRETCH), strain)
+    assert np.abs(tangent - expected).max() < 1e-7 * np.abs(tangent).max()
+    assert np.allclose(tangent, tangent.transpose(1, 0, 2), rtol=1e-12)
+
+
+def test_unstretched_material_has_the_small_strain_stiffness(law, request):
+    material = LAWS[request.node.callspec.id]
+    E, nu = material.young_modulus, material.poisson_ratio
+    expected = E / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+    zero = np.zeros((3, 1))
+    assert law.energy(zero, UNSTRETCHED) == pytest.approx([0], abs=1e-9)
+    assert law.stress(zero, UNSTRETCHED)[:, 0] == pytest.approx([0] * 3, abs=1e-9)
+    tangent = law.tangent(zero, UNSTRETCHED)[:, :, 0]
+    assert np.abs(tangent - expected).max() < 1e-9 * E
+
+
+@pytest.mark.parametrize(("stretch", "expected"), [(1.06, 6307.92), (1.24, 19_530.72)])
+def test_uniaxial_nominal_stress(stretch, expected):
+    """P = 2 (l - l^-2) (C10 + C01 / l), pulled along x, free along y: l_y = l^(-1/2)."""
+    law = plane_stress_law(LAWS["incompressible"])
+    strain = np.array([[(stretch**2 - 1) / 2], [(1 / stretch - 1) / 2], [0]])
+    second_piola = law.stress(strain, UNSTRETCHED)
+    closed = 2 * (stretch - stretch**-2) * (C10 + C01 / stretch)
+    assert stretch * second_piola[0, 0] == pytest.approx(closed, rel=1e-6)
+    assert closed == pytest.approx(expected, abs=0.01)
+    assert second_piola[1:, 0] == pytest.approx([0, 0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("stretch", "expected"), [(1.06, 14_037.14), (1.24, 60_612.61)])
+def test_equibiaxial_cauchy_stress_of_a_prestretch(stretch, expected):
+    """Cauchy = 2 (l^2 - l^-4) (C10 + C01 l^2): in the bonded state, per natural volume."""
+    law = plane_stress_law(LAWS["incompressible"])
+    stress = law.stress(np.zeros((3, 1)), stretch * UNSTRETCHED)
+    closed = 2 * (stretch**2 - stretch**-4) * (C10 + C01 * stretch**2)
+    assert stress[:2, 0] == pytest.approx([closed] * 2, rel=1e-6)
+    assert closed == pytest.approx(expected, abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["incompressible", "compressible"])
+def test_prestretch_is_a_change_of_the_natural_state(name, strain):
+    """Strain from the bonded state on top of S feels like the whole strain from the natural one."""
+    law = plane_stress_law(LAWS[name])
+    S = PRESTRETCH[:, :, 0]
+    x, y, g = strain
+    C = np.moveaxis(np.array([[1 + 2 * x, g], [g, 1 + 2 * y]]), 2, 0)
+    E = (S @ C @ S - np.eye(2)) / 2
+    whole = np.stack([E[:, 0, 0], E[:, 1, 1], 2 * E[:, 0, 1]])
+    assert law.energy(strain, PRESTRETCH) == pytest.approx(law.energy(whole, UNSTRETCHED))
+
+
+def test_thickness_is_the_one_of_least_energy():
+    """W of `bilayer.material` in three dimensions, minimised over C33 by another program."""
+    law = plane_stress_law(COMPRESSIBLE)
+    strain = np.array([[0.12], [-0.07], [0.05]])
+    C = np.array([[1.24, 0.05], [0.05, 0.86]])
+
+    def energy(c33):
+        full = np.block([[C, np.zeros((2, 1))], [np.zeros((1, 2)), c33]])
+        J = np.sqrt(np.linalg.det(full))
+        first = np.trace(full)
+        second = (first**2 - np.trace(full @ full)) / 2
+        isochoric = C10 * (first * J ** (-2 / 3) - 3) + C01 * (second * J ** (-4 / 3) - 3)
+        return isochoric + (J - 1) ** 2 / COMPRESSIBLE.d1
+
+    least = minimize_scalar(energy, bounds=(0.5, 2), method="bounded", options={"xatol": 1e-10})
+    assert law.energy(strain, UNSTRETCHED)[0] == pytest.approx(least.fun, rel=1e-10)
+
+
+def test_a_fibre_turned_inside_out_is_out_of_reach():
+    law = plane_stress_law(LAWS["compressible"])
+    assert law.energy(np.array([[-0.6], [0.1], [0.0]]), UNSTRETCHED)[0] == np.inf
+
+
+def test_linear_prestress_is_hookes():
+    """The corrected eq. 8: E eps / (1 - nu)."""
+    stress = plane_stress_law(LAWS["linear"]).stress(np.zeros((3, 1)), 1.03 * UNSTRETCHED)
+    assert stress[:, 0] == pytest.approx([116_250 * 0.03 / 0.7] * 2 + [0])
+
+
+def test_other_materials_are_refused():
+    with pytest.raises(InputError, match="no plane-stress law"):
+        plane_stress_law("rubber")
