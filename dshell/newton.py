@@ -3,6 +3,10 @@
 Each iteration factorises the exact Hessian; where that has a negative eigenvalue, its convex
 relative instead, so that the step always goes downhill. Steps are capped in length and shortened
 until the energy falls enough (Armijo).
+
+A thin shell bends easily and stretches hardly, so a straight step that turns it also stretches it,
+and the line search would allow only short ones (the Maratos effect). Corrections with the same
+factor take that stretch away again before the energy is judged: they cost no factorisation.
 """
 
 from collections.abc import Sequence
@@ -10,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
 from dshell.assembly import Assembly, Energy
@@ -19,8 +24,15 @@ Array = NDArray[np.float64]
 
 SUFFICIENT_DECREASE = 1e-4
 SHORTEST_STEP = 1e-8
+CORRECTIONS = 2
+"""With one factor; measured on the paper's specimen, from flat to a prestretch of 1.15 and 1.24:
+35 and 46 iterations without, 27 and 38 with one, 24 and 31 with two."""
 ROUND_OFF = 1e-14
 """Of the energy, relative: what a step may raise it by without meaning it."""
+
+
+class NoDescentError(ComputationError):
+    """No step along Newton's direction lowers the energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,29 +118,81 @@ class EquilibriumSolver:
         """Return the residual force on the free degrees of freedom, N."""
         return (self.assembly.gradient(body.energies, state) - body.load)[self.assembly.free]
 
-    def settle(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
-        """Go downhill from a state to an equilibrium, or as far as the limits let."""
+    def settle(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
+        """Go downhill from a state to an equilibrium, or as far as the limits let.
+
+        Parameters
+        ----------
+        bodies : sequence of Body
+            What is on its way to the last of them: each of the others gets one iteration.
+        start : array of float
+            The first state, m.
+        limits : NewtonLimits
+            When to stop.
+        """
         state = start
         for iteration in range(limits.iterations + 1):
+            body = bodies[min(iteration, len(bodies) - 1)]
             residual = self.residual(body, state)
             error = float(np.linalg.norm(residual))
-            if error <= limits.tolerance or iteration == limits.iterations:
+            converged = body is bodies[-1] and error <= limits.tolerance
+            if converged or iteration == limits.iterations:
                 break
-            step = np.zeros_like(state)
-            step[self.assembly.free] = -self._descent(body, state).solve(residual)
-            step *= min(1.0, limits.longest_step / np.abs(step).max())
             try:
-                state = line_search(body, state, step, float(residual @ step[self.assembly.free]))
-            except ComputationError:
+                state = self._improved(body, state, residual, limits.longest_step)
+            except NoDescentError:
                 break
-        return Outcome(state, error <= limits.tolerance, error, iteration)
+        return Outcome(state, converged, error, iteration)
 
     def unstable_modes(self, body: Body, state: Array) -> int:
         """Return the number of negative eigenvalues of the exact Hessian."""
         return self._exact(body, state).negative
 
-    def _exact(self, body: Body, state: Array) -> Factor:
-        return self._linear.factor(self.assembly.hessian(body.energies, state))
+    def unstable_direction(self, body: Body, state: Array) -> Array:
+        """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
+        factor = self._exact(body, state)
+        size = len(self.assembly.free)
+        inverse = LinearOperator((size, size), matvec=factor.solve, dtype=float)
+        hessian = self.assembly.hessian(body.energies, state)
+        begin = np.random.default_rng(0).normal(size=size)
+        _, modes = eigsh(hessian, k=1, sigma=0.0, OPinv=inverse, which="SA", v0=begin)
+        direction = np.zeros_like(state)
+        direction[self.assembly.free] = modes[:, 0]
+        return direction / direction[np.argmax(np.abs(direction))]
+
+    def _improved(self, body: Body, state: Array, residual: Array, longest: float) -> Array:
+        """Return the state after one iteration: the longest halved step that is low enough."""
+        factor = self._descent(body, state)
+        step = self._step(factor, residual, longest)
+        slope = float(residual @ step[self.assembly.free])
+        here, size = body.potential(state)
+        share = 1.0
+        while share > SHORTEST_STEP:
+            there, energy = self._corrected(body, state + share * step, factor, longest)
+            if energy <= here + SUFFICIENT_DECREASE * share * slope + ROUND_OFF * size:
+                return there
+            share /= 2
+        raise NoDescentError("no step along Newton's direction lowers the energy")
+
+    def _corrected(
+        self, body: Body, state: Array, factor: Factor, longest: float
+    ) -> tuple[Array, float]:
+        """Return a state with its energy after those corrections that lower it."""
+        energy, _ = body.potential(state)
+        for _ in range(CORRECTIONS):
+            if not np.isfinite(energy):
+                break
+            there = state + self._step(factor, self.residual(body, state), longest)
+            lower, _ = body.potential(there)
+            if not lower < energy:
+                break
+            state, energy = there, lower
+        return state, energy
+
+    def _step(self, factor: Factor, residual: Array, longest: float) -> Array:
+        step = np.zeros(self.assembly.size)
+        step[self.assembly.free] = -factor.solve(residual)
+        return step * min(1.0, longest / max(np.abs(step).max(), longest))
 
     def _descent(self, body: Body, state: Array) -> Factor:
         try:
@@ -136,23 +200,8 @@ class EquilibriumSolver:
             if exact.negative == 0:
                 return exact
         except SingularMatrixError:
-            pass
+            pass  # the convex relative is tried; if it is singular, too, there is no step
         return self._linear.factor(self.assembly.convex_hessian(body.energies, state))
 
-
-def line_search(body: Body, state: Array, step: Array, slope: float) -> Array:
-    """Return the state after the longest halved step that lowers the energy enough (Armijo).
-
-    Raises
-    ------
-    ComputationError
-        No step does.
-    """
-    here, size = body.potential(state)
-    share = 1.0
-    while share > SHORTEST_STEP:
-        there, _ = body.potential(state + share * step)
-        if there <= here + SUFFICIENT_DECREASE * share * slope + ROUND_OFF * size:
-            return state + share * step
-        share /= 2
-    raise ComputationError("no step along Newton's direction lowers the energy")
+    def _exact(self, body: Body, state: Array) -> Factor:
+        return self._linear.factor(self.assembly.hessian(body.energies, state))

@@ -19,8 +19,11 @@ class StaticSettings:
         1e-8, "norm of the residual force at an equilibrium over that of the flat state"
     )
     max_iterations: int = documented(60, "Newton iterations allowed in one load step")
+    ramp: float = documented(
+        0.015, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
+    )
     longest_step: float = documented(
-        0.1, "largest displacement in one Newton iteration over the outer radius"
+        0.5, "largest displacement in one Newton iteration over the outer radius"
     )
     smallest_step: float = documented(
         0.01, "smallest load step that is tried over the way between two milestones"
@@ -28,7 +31,7 @@ class StaticSettings:
 
     def __post_init__(self) -> None:
         whole("solver.max_iterations", self.max_iterations, at_least=1)
-        for name in ("tolerance", "longest_step", "smallest_step"):
+        for name in ("tolerance", "ramp", "longest_step", "smallest_step"):
             positive(f"solver.{name}", getattr(self, name))
 
 

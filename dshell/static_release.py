@@ -1,10 +1,12 @@
 """Release without time: the equilibria of a shell at its milestones, each from the one before.
 
-A milestone is tried in one step from the last equilibrium, the first one from flat; where Newton's
-method fails, the prestretch goes there in smaller steps. An equilibrium with unstable modes is
-left along the first of them.
+A milestone is tried in one step from the last equilibrium, the first one from flat: the prestretch
+grows over the first iterations and Newton's method goes on from there. Where it fails, the
+prestretch goes there in smaller steps. An equilibrium with unstable modes is left along one of
+them, so no imperfection is needed; a bilayer bends by itself.
 """
 
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -33,6 +35,10 @@ Array = NDArray[np.float64]
 Stretch = tuple[float, float]
 
 UNSTRETCHED: Stretch = (1.0, 1.0)
+ESCAPES = 3
+"""How often an unstable equilibrium is left before it is kept as it is."""
+ESCAPE = 0.1
+"""How far it is left along its unstable mode, over the substrate's thickness."""
 
 
 class ShellModel(Protocol):
@@ -96,6 +102,7 @@ class StaticRelease:
         assembly = Assembly(size, stencils, held_coordinates(mesh))
         self._solver = EquilibriumSolver(assembly, linear_solver)
         self._longest_step = settings.longest_step * specimen.outer_radius
+        self._escape = ESCAPE * specimen.substrate.thickness
         self.iterations = self.load_steps = 0
 
     def flat(self, stretch: Stretch = UNSTRETCHED) -> Equilibrium:
@@ -158,7 +165,7 @@ class StaticRelease:
         while share < 1:
             end = min(1.0, share + step)
             stretch = _between(start.stretch, target, end)
-            found = self._equilibrium(here.state, stretch)
+            found = self._equilibrium(here, stretch)
             if isinstance(found, Equilibrium):
                 share, here = end, found
                 yield here
@@ -187,19 +194,35 @@ class StaticRelease:
             wall_time=wall_time,
         )
 
-    def _equilibrium(self, state: Array, stretch: Stretch) -> Equilibrium | Outcome:
+    def _equilibrium(self, here: Equilibrium, stretch: Stretch) -> Equilibrium | Outcome:
         """Settle at a prestretch; return the outcome as it is where that fails."""
         body = self._body(stretch)
         scale = self._force_scale(body, stretch)
         limits = NewtonLimits(
             self._settings.tolerance * scale, self._settings.max_iterations, self._longest_step
         )
-        outcome = self._solver.settle(body, state, limits)
+        outcome = self._counted(self._ramp(here.stretch, body, stretch), here.state, limits)
+        for _ in range(ESCAPES):
+            if not outcome.converged or self._solver.unstable_modes(body, outcome.state) == 0:
+                break
+            away = self._escape * self._solver.unstable_direction(body, outcome.state)
+            outcome = self._counted([body], outcome.state + away, limits)
         self.load_steps += 1
-        self.iterations += outcome.iterations
         if not outcome.converged:
             return outcome
         return Equilibrium(stretch, outcome.state, outcome.residual / scale if scale else 0.0)
+
+    def _ramp(self, start: Stretch, body: Body, end: Stretch) -> list[Body]:
+        """Return the shell on its way to a prestretch, one body per iteration, and at its end."""
+        way = max(abs(b - a) for a, b in zip(start, end, strict=True))
+        count = math.ceil(way / self._settings.ramp)
+        shares = np.arange(1, count) / count
+        return [*(self._body(_between(start, end, float(share))) for share in shares), body]
+
+    def _counted(self, bodies: Sequence[Body], state: Array, limits: NewtonLimits) -> Outcome:
+        outcome = self._solver.settle(bodies, state, limits)
+        self.iterations += outcome.iterations
+        return outcome
 
     def _force_scale(self, body: Body, stretch: Stretch) -> float:
         """Return what the tolerance is relative to: the forces on the flat state, N."""
