@@ -1,12 +1,13 @@
 """The discrete shell in NumPy and SciPy; the package that `bilayer.solvers` calls "dshell"."""
 
-from dshell.settings import MorleySettings, PaperSettings
+from dshell.settings import HingeSettings, MorleySettings, PaperSettings
 from dshell.solver import BYTES_PER_TRIANGLE, MODELS, PARALLEL, solve
 
 __all__ = [
     "BYTES_PER_TRIANGLE",
     "MODELS",
     "PARALLEL",
+    "HingeSettings",
     "MorleySettings",
     "PaperSettings",
     "solve",

@@ -1,4 +1,4 @@
-"""From the shell's reference surface, the substrate's mid-plane, to the bonded interface."""
+"""From the shell's own surface, such as the substrate's mid-plane, to the bonded interface."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,24 +9,25 @@ Array = NDArray[np.float64]
 
 
 def bonded_interface(
-    position: Array, triangles: NDArray[np.int64], flat_areas: Array, thickness: float
+    position: Array, triangles: NDArray[np.int64], flat_areas: Array, height: Array | float
 ) -> Array:
-    """Return the bonded interface over a deformed substrate mid-plane.
+    """Return the bonded interface over a deformed surface.
 
-    Each node moves by half the substrate's thickness along the area-weighted normal of its
-    triangles, toward the kirigami layer; the substrate keeps its volume, so its thickness is the
-    flat bonded one divided by the area stretch of those triangles.
+    Each node moves along the area-weighted normal of its triangles, which points toward the
+    kirigami layer. What lies between keeps its volume, so the way is that of the flat bonded state
+    divided by the area stretch of those triangles.
 
     Parameters
     ----------
     position : (n, 3) array of float
-        The substrate's mid-plane, m.
+        The surface, m.
     triangles : (m, 3) array of int
         Counterclockwise seen from the kirigami layer.
     flat_areas : (m,) array of float
         Areas in the flat bonded state, m2.
-    thickness : float
-        Thickness of the flat bonded substrate, m.
+    height : float or (n,) array of float
+        Of the bond above the surface in the flat bonded state, m: half the substrate's thickness
+        over its mid-plane.
     """
     a, b, c = np.moveaxis(position[triangles], 1, 0)
     area_vectors = 0.5 * np.cross(b - a, c - a)
@@ -34,4 +35,4 @@ def bonded_interface(
     around = [sum_at_nodes(triangles, column) for column in area_vectors.T]
     normals = np.column_stack(around) / np.linalg.norm(around, axis=0)[:, None]
     stretch = sum_at_nodes(triangles, areas) / sum_at_nodes(triangles, flat_areas)
-    return position + (thickness / 2 / stretch)[:, None] * normals
+    return position + (height / stretch)[:, None] * normals

@@ -36,6 +36,10 @@ class MorleyModel:
         laminate = Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._profile)
         return [MorleyFaces(self._mesh.points, self._mesh.triangles, laminate)]
 
+    def bond_height(self, stretch: tuple[float, float]) -> float:
+        """Return half the bonded substrate's thickness, m."""
+        return self._specimen.bonded_thickness(stretch) / 2
+
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energy of each layer, J."""
         (faces,) = self.energies(stretch)

@@ -131,7 +131,7 @@ def release(
         iterations, error = iterations + stop.iterations, stop.error
         failure = _stop_reason(max(stretch), steps / settings.steps, stop)
     state = MilestoneState(
-        bonded_interface(motion.position, mesh.triangles, mesh.areas, thickness),
+        bonded_interface(motion.position, mesh.triangles, mesh.areas, thickness / 2),
         converged=not failure,
         reached=1 + (max(stretch) - 1) * steps / settings.steps,
         energy=energy_terms(body, motion),

@@ -29,8 +29,8 @@ def held_coordinates(mesh: PlanarMesh) -> NDArray[np.int64]:
     return np.concatenate([a, b[1:], c[2:]])
 
 
-def placed(shape: Array, mesh: PlanarMesh, height: float) -> Array:
-    """Move a shape rigidly so that its held coordinates are those of the flat mesh.
+def placed(shape: Array, mesh: PlanarMesh) -> Array:
+    """Move a shape rigidly so that its held coordinates are those of the flat mesh at z = 0.
 
     Parameters
     ----------
@@ -38,8 +38,6 @@ def placed(shape: Array, mesh: PlanarMesh, height: float) -> Array:
         Any position and orientation, m.
     mesh : PlanarMesh
         The flat state.
-    height : float
-        z of the flat state, m.
     """
     a, b, c = held_nodes(mesh)
     flat = mesh.points - mesh.points[a]
@@ -51,4 +49,4 @@ def placed(shape: Array, mesh: PlanarMesh, height: float) -> Array:
     turn = np.arcsin(np.clip(flat[b, 1] / length, -1, 1))
     x = np.cos(turn) * along - np.sin(turn) * np.cross(normal, along)
     frame = np.stack([x, np.cross(normal, x), normal])
-    return moved @ frame.T + np.array([*mesh.points[a], height])
+    return moved @ frame.T + np.array([*mesh.points[a], 0.0])

@@ -20,7 +20,7 @@ class StaticSettings:
     )
     max_iterations: int = documented(60, "Newton iterations allowed in one load step")
     ramp: float = documented(
-        0.015, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
+        0.0125, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
     )
     longest_step: float = documented(
         0.5, "largest displacement in one Newton iteration over the outer radius"
@@ -47,6 +47,11 @@ class MorleySettings(StaticSettings):
     def __post_init__(self) -> None:
         super().__post_init__()
         one_of("solver.profile", self.profile, PROFILES)
+
+
+@dataclass(frozen=True)
+class HingeSettings(StaticSettings):
+    """Hinges and springs with the rest state of laminate theory."""
 
 
 @dataclass(frozen=True)

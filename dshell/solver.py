@@ -12,9 +12,10 @@ from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
+from dshell.hinge_model import HingeModel
 from dshell.morley_model import MorleyModel
 from dshell.paper_model import release_paper
-from dshell.settings import MorleySettings, PaperSettings
+from dshell.settings import HingeSettings, MorleySettings, PaperSettings
 from dshell.static_release import release_static
 
 PARALLEL = False
@@ -23,9 +24,9 @@ PARALLEL = False
 BYTES_PER_TRIANGLE = 25_000
 """Memory that a run takes (measured: 14 kB per triangle at 6 000 triangles, 24 kB at 19 000)."""
 
-MODELS = {"morley": MorleySettings, "paper": PaperSettings}
+MODELS = {"morley": MorleySettings, "hinge": HingeSettings, "paper": PaperSettings}
 
-Settings = MorleySettings | PaperSettings
+Settings = MorleySettings | HingeSettings | PaperSettings
 Release = Callable[
     [Specimen, PlanarMesh, Any, xr.Dataset | None, Progress | None],
     tuple[list[MilestoneState], str],
@@ -43,7 +44,22 @@ def _release_morley(
     return release_static(specimen, mesh, model, settings, start, progress)
 
 
-_RELEASES: dict[str, Release] = {"morley": _release_morley, "paper": release_paper}
+def _release_hinge(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    settings: HingeSettings,
+    start: xr.Dataset | None,
+    progress: Progress | None,
+) -> tuple[list[MilestoneState], str]:
+    model = HingeModel(specimen, mesh)
+    return release_static(specimen, mesh, model, settings, start, progress)
+
+
+_RELEASES: dict[str, Release] = {
+    "morley": _release_morley,
+    "hinge": _release_hinge,
+    "paper": release_paper,
+}
 
 
 def solve(
@@ -62,7 +78,7 @@ def solve(
     specimen : Specimen
         What to release. Its weight, if any, is a dead load along -z that the held nodes carry
         (nearly all of it the centre node); the paper's model has none.
-    settings : MorleySettings or PaperSettings, optional
+    settings : MorleySettings, HingeSettings or PaperSettings, optional
         Their type chooses the model; the default model's defaults where left out.
     mesh : PlanarMesh, optional
         The planar mesh; made from the specimen where left out.

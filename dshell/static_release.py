@@ -50,6 +50,9 @@ class ShellModel(Protocol):
     def energies(self, stretch: Stretch) -> Sequence[Energy]:
         """Return the energies at a prestretch, always on the same stencils."""
 
+    def bond_height(self, stretch: Stretch) -> Array | float:
+        """Return the height of the bond above the nodes in the flat state, m, shape (n,) or ()."""
+
     def energy_terms(self, stretch: Stretch, state: Array) -> Mapping[str, float]:
         """Return the energies that a result lists, J."""
 
@@ -106,24 +109,23 @@ class StaticRelease:
         self.iterations = self.load_steps = 0
 
     def flat(self, stretch: Stretch = UNSTRETCHED) -> Equilibrium:
-        """Return the flat bonded state: the substrate's mid-plane, below the bond at z = 0."""
-        thickness = self._specimen.bonded_thickness(stretch)
-        return Equilibrium(stretch, self._state_of(_flat_midplane(self._mesh, thickness)))
+        """Return the flat bonded state, the model's surface at z = 0."""
+        points = np.column_stack([self._mesh.points, np.zeros(len(self._mesh.points))])
+        return Equilibrium(stretch, self._state_of(points))
 
     def started(self, result: xr.Dataset, stretch: Stretch) -> Equilibrium:
         """Return the shape of a result nearest to a prestretch as the shell's at that prestretch.
 
         It is where Newton's method starts, and no equilibrium of the shell yet.
         """
-        thickness = self._specimen.bonded_thickness(stretch)
-        mesh = self._mesh
-        shape = starting_shape(result, mesh, max(stretch))
-        midplane = bonded_interface(shape, mesh.triangles, mesh.areas, -thickness)
-        return Equilibrium(stretch, self._state_of(placed(midplane, mesh, -thickness / 2)))
+        mesh, depth = self._mesh, -self._model.bond_height(stretch)
+        bond = starting_shape(result, mesh, max(stretch))
+        surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
+        return Equilibrium(stretch, self._state_of(placed(surface, mesh)), math.nan)
 
-    def _state_of(self, midplane: Array) -> Array:
-        """Return the state with the nodes at a midplane (n, 3), m, and nothing else moved."""
-        return np.concatenate([midplane.reshape(-1), np.zeros(self._model.extra_dofs)])
+    def _state_of(self, nodes: Array) -> Array:
+        """Return the state of nodes at (n, 3), m, with every other degree of freedom 0."""
+        return np.concatenate([nodes.reshape(-1), np.zeros(self._model.extra_dofs)])
 
     def _interface(self, here: Equilibrium) -> Array:
         """Return the bonded interface, m, shape (n, 3).
@@ -132,9 +134,9 @@ class StaticRelease:
         as well as it can, and not as the held nodes happen to tilt it.
         """
         mesh = self._mesh
-        midplane = here.state[: 3 * len(mesh.points)].reshape(-1, 3)
-        thickness = self._specimen.bonded_thickness(here.stretch)
-        shape = bonded_interface(midplane, mesh.triangles, mesh.areas, thickness)
+        surface = here.state[: 3 * len(mesh.points)].reshape(-1, 3)
+        height = self._model.bond_height(here.stretch)
+        shape = bonded_interface(surface, mesh.triangles, mesh.areas, height)
         if self._specimen.gravity > 0:
             return shape
         flat = flat_surface(mesh)
@@ -304,10 +306,6 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> Ar
 def _report(progress: Progress | None, share: float, here: Equilibrium) -> None:
     if progress is not None:
         progress(share, f"prestretch {max(here.stretch):g}")
-
-
-def _flat_midplane(mesh: PlanarMesh, thickness: float) -> Array:
-    return np.column_stack([mesh.points, np.full(len(mesh.points), -thickness / 2)])
 
 
 def _between(start: Stretch, end: Stretch, share: float) -> Stretch:
