@@ -152,7 +152,7 @@ def _step(
     coordinates = position.reshape(-1)
     coordinates[free] += h * old.velocity.reshape(-1)[free]
     for iterations in range(stepping.max_iterations + 1):
-        velocity = (position - old.position) / h
+        velocity: Array = np.divide(position - old.position, h)
         momentum = masses * ((velocity - old.velocity) / h + body.damping_rate * velocity)
         residual = (momentum + assembly.gradient(energies, position) - load).reshape(-1)[free]
         error = float(np.linalg.norm(residual))

@@ -106,7 +106,7 @@ class StaticRelease:
         self._solver = EquilibriumSolver(assembly, linear_solver)
         self._longest_step = settings.longest_step * specimen.outer_radius
         self._escape = ESCAPE * specimen.substrate.thickness
-        self.iterations = self.load_steps = 0
+        self._iterations = self._load_steps = 0
 
     def flat(self, stretch: Stretch = UNSTRETCHED) -> Equilibrium:
         """Return the flat bonded state, the model's surface at z = 0."""
@@ -114,14 +114,13 @@ class StaticRelease:
         return Equilibrium(stretch, self._state_of(points))
 
     def started(self, result: xr.Dataset, stretch: Stretch) -> Equilibrium:
-        """Return the shape of a result nearest to a prestretch as the shell's at that prestretch.
-
-        It is where Newton's method starts, and no equilibrium of the shell yet.
-        """
+        """Return the equilibrium near a result's shape at a prestretch; flat where there is none."""
         mesh, depth = self._mesh, -self._model.bond_height(stretch)
         bond = starting_shape(result, mesh, max(stretch))
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
-        return Equilibrium(stretch, self._state_of(placed(surface, mesh)), math.nan)
+        guess = Equilibrium(stretch, self._state_of(placed(surface, mesh)))
+        found = self._equilibrium(guess, stretch)
+        return found if isinstance(found, Equilibrium) else self.flat()
 
     def _state_of(self, nodes: Array) -> Array:
         """Return the state of nodes at (n, 3), m, with every other degree of freedom 0."""
@@ -184,13 +183,15 @@ class StaticRelease:
     ) -> MilestoneState:
         """Return what a result keeps of an equilibrium, and of the work since the last one."""
         stretch, state = here.stretch, here.state
+        iterations, load_steps = self._iterations, self._load_steps
+        self._iterations = self._load_steps = 0
         return MilestoneState(
             self._interface(here),
             converged=converged,
             reached=max(stretch),
             energy=self._model.energy_terms(stretch, state),
-            iterations=self.iterations,
-            load_steps=self.load_steps,
+            iterations=iterations,
+            load_steps=load_steps,
             residual=here.residual,
             unstable_modes=self._solver.unstable_modes(self._body(stretch), state),
             wall_time=wall_time,
@@ -209,7 +210,7 @@ class StaticRelease:
                 break
             away = self._escape * self._solver.unstable_direction(body, outcome.state)
             outcome = self._counted([body], outcome.state + away, limits)
-        self.load_steps += 1
+        self._load_steps += 1
         if not outcome.converged:
             return outcome
         return Equilibrium(stretch, outcome.state, outcome.residual / scale if scale else 0.0)
@@ -223,7 +224,7 @@ class StaticRelease:
 
     def _counted(self, bodies: Sequence[Body], state: Array, limits: NewtonLimits) -> Outcome:
         outcome = self._solver.settle(bodies, state, limits)
-        self.iterations += outcome.iterations
+        self._iterations += outcome.iterations
         return outcome
 
     def _force_scale(self, body: Body, stretch: Stretch) -> float:
@@ -269,7 +270,6 @@ def release_static(
     states: list[MilestoneState] = []
     for index, stretch in enumerate(milestones):
         begun = time.perf_counter()
-        path.iterations = path.load_steps = 0
         failure = ""
         try:
             for equilibrium in path.approach(here, stretch):

@@ -1,9 +1,11 @@
 """The default model from a specimen to a result."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from bilayer import solve
+from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.solvers import settings_kind
 from dshell import MorleySettings
 
@@ -39,3 +41,49 @@ def test_height_is_near_that_of_the_solid(released):
 def test_energy_of_each_layer(released):
     assert set(released.term.values) == {"substrate", "kirigami"}
     assert np.all(released.energy.values > 0)
+
+
+def test_another_result_starts_the_first_milestone(coarse_specimen, coarse_mesh, released):
+    specimen = coarse_specimen.with_milestones([1.03])
+    again = solve(specimen, "dshell", MorleySettings(), mesh=coarse_mesh, start=released)
+    assert again.iterations.values[0] < released.iterations.values[0]
+    assert again.position.values[0] == pytest.approx(released.position.values[0], abs=1e-7)
+
+
+def test_a_start_on_another_mesh_is_refused(coarse_specimen, released):
+    with pytest.raises(InputError, match="expected a result on the planar mesh of this run"):
+        finer = generate_mesh(replace(coarse_specimen, mesh=MeshSize(0.008)))
+        solve(coarse_specimen, "dshell", MorleySettings(), mesh=finer, start=released)
+
+
+def test_where_it_stops_the_last_equilibrium_is_kept(coarse_specimen, coarse_mesh):
+    """Two iterations are too few for any step but from an equilibrium to itself."""
+    specimen = coarse_specimen.with_milestones([1.06])
+    settings = MorleySettings(max_iterations=2, smallest_step=0.2)
+    result = solve(specimen, "dshell", settings, mesh=coarse_mesh)
+    assert result.converged.values.tolist() == [0]
+    assert np.isfinite(result.last_position.values).all()
+    assert result.attrs["stop_reason"].startswith("stopped at prestretch 1: Newton's method")
+
+
+def test_weight_pulls_the_rim_down(coarse_specimen, coarse_mesh, released):
+    specimen = replace(coarse_specimen, gravity=9.81).with_milestones([1.03])
+    heavy = solve(specimen, "dshell", MorleySettings(), mesh=coarse_mesh)
+    assert heavy.converged.values.tolist() == [1]
+    assert heavy.position.values[0, coarse_mesh.rim_nodes, 2].mean() < -1.05 * float(
+        released.height[0]
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"profile": "cubic"}, "solver.profile = 'cubic': expected one of 'linear', 'quadratic'"),
+        ({"tolerance": 0.0}, r"solver\.tolerance = 0\.0: expected a number greater than 0"),
+        ({"ramp": -1.0}, r"solver\.ramp = -1\.0: expected a number greater than 0"),
+        ({"max_iterations": 0}, r"solver\.max_iterations = 0: expected a whole number"),
+    ],
+)
+def test_bad_settings_are_named(values, message):
+    with pytest.raises(InputError, match=message):
+        MorleySettings(**values)

@@ -1,0 +1,92 @@
+"""The mended hinges: laminate theory's rest state, what it gives, and what it cannot."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shell_cases as cases
+
+from bilayer import PlanarMesh, solve
+from bilayer.mesh_generation import generate_mesh
+from dshell import HingeSettings
+from dshell.hinge_rest_state import (
+    circumcentre_distances,
+    laminate_springs_and_hinges,
+    specimen_sections,
+)
+from dshell.topology import Topology
+
+EDGE = 1e-3  # m
+
+
+def equilateral(rows=12):
+    """Equilateral triangles of edge EDGE in a parallelogram."""
+    x, y = np.meshgrid(np.arange(rows), np.arange(rows), indexing="ij")
+    points = EDGE * np.column_stack([(x + y / 2).ravel(), (y * np.sqrt(3) / 2).ravel()])
+    number = np.arange(rows * rows).reshape(rows, rows)
+    a, b = number[:-1, :-1].ravel(), number[1:, :-1].ravel()
+    c, d = number[1:, 1:].ravel(), number[:-1, 1:].ravel()
+    triangles = np.concatenate([np.column_stack([a, b, d]), np.column_stack([b, c, d])])
+    return PlanarMesh(points, triangles, np.ones(len(triangles)))
+
+
+def timoshenko(mismatch):
+    """Curvature of two layers of one Poisson's ratio by Timoshenko (1925), 1/m."""
+    n = cases.SUBSTRATE.material.young_modulus / cases.KIRIGAMI.material.young_modulus
+    return 6 * mismatch * 4 / (2e-3 * (12 + (1 + n) * (1 + 1 / n)))
+
+
+def test_section_has_timoshenkos_curvature():
+    tiny = 1e-7
+    _, bilayer = specimen_sections(cases.ladder_disc(), (1 + tiny, 1 + tiny))
+    assert bilayer.curvature == pytest.approx(timoshenko(tiny), rel=1e-5)
+
+
+def test_bare_substrate_shrinks_and_stays_flat():
+    bare, _ = specimen_sections(cases.ladder_disc(), (1.1, 1.2))
+    assert bare.strain == pytest.approx([1 / 1.1 - 1, 1 / 1.2 - 1])
+    assert bare.curvature == pytest.approx([0, 0], abs=1e-12)
+    assert bare.neutral_axis == pytest.approx(-1e-3 / 1.1 / 1.2 / 2)
+
+
+def test_equilateral_lattice_has_the_closed_forms():
+    """k_s = sqrt(3)/2 A a^2, k_b = 2/sqrt(3) D, theta = a (3 k_nn - k_tt) / (2 sqrt(3))."""
+    mesh = equilateral()
+    bare, bilayer = specimen_sections(cases.ladder_disc(), (1.03, 1.01))
+    springs, hinges = laminate_springs_and_hinges(mesh, bare, bilayer)
+    inner = Topology.of(mesh.triangles).hinge_edges
+    assert springs.stiffness[inner] == pytest.approx(np.sqrt(3) / 2 * bilayer.stretching * EDGE**2)
+    assert hinges.stiffness == pytest.approx(2 / np.sqrt(3) * bilayer.bending)
+    along = np.diff(mesh.points[hinges.nodes[:, :2]], axis=1)[:, 0] / EDGE
+    across = along[:, ::-1]
+    k_tt, k_nn = along**2 @ bilayer.curvature, across**2 @ bilayer.curvature
+    assert hinges.natural_angle == pytest.approx(EDGE * (3 * k_nn - k_tt) / (2 * np.sqrt(3)))
+
+
+def test_circumcentres_of_equilateral_triangles():
+    mesh = equilateral()
+    distances = circumcentre_distances(mesh, Topology.of(mesh.triangles))
+    assert distances == pytest.approx(EDGE / np.sqrt(3))
+
+
+def released_curvature(mesh, stretch=1.0005):
+    """2 x the least-squares coefficient of the released height over the radius, over laminate's."""
+    specimen = cases.ladder_disc().with_milestones([stretch])
+    result = solve(specimen, "dshell", HingeSettings(), mesh=mesh)
+    x, y, z = result.position.values[0].T
+    fit, *_ = np.linalg.lstsq(np.column_stack([np.ones_like(x), x, y, x**2 + y**2]), z, rcond=None)
+    return -2 * fit[3] / specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
+
+
+@pytest.mark.parametrize("size", [0.008, 0.004])
+def test_uniform_disc_has_the_laminates_curvature_whatever_the_mesh(size):
+    mesh = generate_mesh(cases.ladder_disc(size=size))
+    assert released_curvature(mesh) == pytest.approx(1.0, abs=0.02)
+
+
+def test_result_lists_stretching_and_bending(coarse_specimen, coarse_mesh):
+    specimen = replace(coarse_specimen).with_milestones([1.03, 1.06])
+    result = solve(specimen, "dshell", HingeSettings(), mesh=coarse_mesh)
+    assert set(result.term.values) == {"stretching", "bending"}
+    assert result.converged.values.tolist() == [1, 1]
+    assert result.attrs["model"] == "hinge"
