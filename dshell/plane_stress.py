@@ -23,7 +23,7 @@ from bilayer.material import Law, LinearElastic, MooneyRivlin
 Array = NDArray[np.float64]
 
 _VOLUME_ITERATIONS = 50
-_VOLUME_TOLERANCE = 1e-15
+_VOLUME_TOLERANCE = 1e-8  # of the last step, which leaves its square as the error
 
 
 class PlaneStressLaw(Protocol):

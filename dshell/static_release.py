@@ -114,7 +114,7 @@ class StaticRelease:
         return Equilibrium(stretch, self._state_of(points))
 
     def started(self, result: xr.Dataset, stretch: Stretch) -> Equilibrium:
-        """Return the equilibrium near a result's shape at a prestretch; flat where there is none."""
+        """Return the equilibrium near a result's shape at a prestretch, or the flat state."""
         mesh, depth = self._mesh, -self._model.bond_height(stretch)
         bond = starting_shape(result, mesh, max(stretch))
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
