@@ -2,6 +2,7 @@
 
 import tomllib
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -23,6 +24,7 @@ def result_table(result: xr.Dataset) -> str:
     for axis, title in enumerate(("span x mm", "span y mm")):
         columns[title] = cells(1e3 * result["span"].values[:, axis], "{:.2f}")
     columns["hemisphere"] = cells(result["hemisphere_distance"].values, "{:.3f}")
+    columns["contact"] = contact_words(result)
     columns["unstable"] = [
         str(count) if count >= 0 else "?" for count in result["unstable_modes"].values
     ]
@@ -54,11 +56,34 @@ def provenance(result: xr.Dataset) -> str:
     return "\n".join([*lines, "", result_table(result), "", trust(result)])
 
 
+def contact_words(result: xr.Dataset) -> list[str]:
+    """Return for each milestone whether the body touches itself: "yes", "no", or the gap in mm.
+
+    The gap where it is small enough to be measured; "-" where there is no shape, "?" where the
+    file is older than the measure.
+    """
+    if "self_contact_gap" not in result:
+        return ["?"] * result.sizes["prestretch"]
+    return [_contact_word(gap) for gap in result["self_contact_gap"].values]
+
+
+def _contact_word(gap: float) -> str:
+    if np.isnan(gap):
+        return "-"
+    if gap == 0:
+        return "yes"
+    return "no" if np.isinf(gap) else f"{1e3 * gap:.2f} mm"
+
+
 def trust(result: xr.Dataset) -> str:
-    """Return in one sentence how far the result can be trusted as an equilibrium."""
-    done = result["converged"].values.astype(bool)
-    if not done.any():
+    """Return in a few sentences how far the result can be trusted."""
+    if not result["converged"].values.any():
         return "No milestone was reached: there is no equilibrium in this file."
+    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}"
+
+
+def _trust_as_equilibrium(result: xr.Dataset) -> str:
+    done = result["converged"].values.astype(bool)
     modes = result["unstable_modes"].values[done]
     residual = result["residual"].values[done].max()
     solved = f"Every reached milestone is solved to a relative residual of {residual:.0e}"
@@ -68,6 +93,24 @@ def trust(result: xr.Dataset) -> str:
         unstable = ", ".join(map(stretch_text, stretches(result)[done][modes > 0]))
         return f"{solved}; NOT STABLE at {unstable}: another shape has less energy."
     return f"{solved}, and stable."
+
+
+def _trust_without_contact(result: xr.Dataset) -> str:
+    """Say from where on the shape would have needed contact, which the solvers do not have."""
+    if "self_contact_gap" not in result:
+        return "Self-contact was not looked for when this file was made."
+    gaps = result["self_contact_gap"].values
+    touching = np.flatnonzero(gaps == 0)
+    if len(touching) == 0:
+        return "The body does not touch itself."
+    names = [stretch_text(pair) for pair in stretches(result)]
+    first = touching[0]
+    free = np.flatnonzero(gaps[:first] > 0)
+    between = f"between {names[free[-1]]} and {names[first]}" if len(free) else f"by {names[first]}"
+    return (
+        f"The body TOUCHES ITSELF at {', '.join(names[k] for k in touching)}, first {between}; "
+        "contact is not modelled, so those shapes pass through themselves."
+    )
 
 
 def _settings(result: xr.Dataset) -> dict[str, object]:

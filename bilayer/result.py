@@ -22,6 +22,7 @@ from bilayer.errors import InputError
 from bilayer.output_file import check_writable as check_writable
 from bilayer.output_file import whole_file
 from bilayer.planar_mesh import PlanarMesh
+from bilayer.self_contact import BondedBody, self_contact_gap
 from bilayer.settings import settings_to_toml
 from bilayer.shape import ShapeMeasures, measure_shape
 from bilayer.specimen import Specimen
@@ -113,6 +114,7 @@ def build_result(
             **_planar_variables(mesh),
             **_position_variables(rows),
             **_measure_variables(mesh, rows),
+            **_contact_variables(specimen, mesh, rows),
             **_count_variables(rows),
         },
         coords=_coordinates(specimen),
@@ -325,6 +327,23 @@ def _measure_variables(mesh: PlanarMesh, rows: Sequence[MilestoneState]) -> dict
         ),
         "span": (("prestretch", "xyz"), column("span"), _metres("extent in the body frame")),
         "height": ("prestretch", column("height"), _metres("extent along the body's axis")),
+    }  # fmt: skip
+
+
+def _contact_variables(
+    specimen: Specimen, mesh: PlanarMesh, rows: Sequence[MilestoneState]
+) -> dict[str, Any]:
+    gaps = [
+        self_contact_gap(BondedBody.of(specimen, mesh, stretch), row.position)
+        if row.converged
+        else math.nan
+        for stretch, row in zip(specimen.prestretch.milestones, rows, strict=True)
+    ]
+    note = "smallest distance of the body from itself where it is bent back, 0 touching"
+    return {
+        "self_contact_gap": (
+            "prestretch", np.array(gaps), _metres(f"{note}, infinite beyond one thickness"),
+        ),
     }  # fmt: skip
 
 
