@@ -144,9 +144,10 @@ def _common_milestones(
     apart = np.abs(mine[:, None] - other[None]).max(axis=2)
     here, there = np.nonzero(apart < SAME_STRETCH)
     if len(here) == 0:
+        listed, others = (", ".join(stretch_text(p) for p in pairs) for pairs in (mine, other))
         raise InputError(
-            f"prestretch.milestones = {', '.join(map(stretch_text, mine))} in the first result and "
-            f"{', '.join(map(stretch_text, other))} in the second: expected a common one"
+            f"prestretch.milestones = {listed} in the first result and {others} in the second: "
+            "expected a common one"
         )
     return here, there
 

@@ -40,7 +40,8 @@ def hemisphere_distance(surface: Surface, frame: BodyFrame, flat_radius: float) 
         Radius R of the flat disc, m.
     """
     radius = 2 * flat_radius / math.pi
-    placed = Surface(frame.coordinates(surface.points) / radius, surface.triangles)
+    scaled = np.divide(frame.coordinates(surface.points), radius)
+    placed = Surface(scaled, surface.triangles)
     return _distance_at_best(placed) * radius / flat_disc_distance(flat_radius)
 
 

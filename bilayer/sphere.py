@@ -58,8 +58,9 @@ def fit_sphere(surface: Surface) -> Sphere:
     weights = surface.node_areas / surface.node_areas.sum()
     points = surface.points - _point_on(surface)
     size = float(np.sqrt(weights @ np.sum(points**2, axis=1)))
-    start, axes = _algebraic_fit(points / size, weights)
-    points, root_weights = points / size @ axes.T, np.sqrt(weights)
+    scaled: Array = np.divide(points, size)
+    start, axes = _algebraic_fit(scaled, weights)
+    points, root_weights = scaled @ axes.T, np.sqrt(weights)
 
     def residuals(unknowns: Array) -> Array:
         return root_weights * _distance(points, *unknowns)

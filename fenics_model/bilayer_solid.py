@@ -49,10 +49,13 @@ class BilayerSolid:
 
     def load(self, parameter: float) -> None:
         """Set natural state and loads for a parameter of the path."""
-        stretch = self.path.stretch(parameter)
-        self.solid.layers[SUBSTRATE].natural.value = natural_state(stretch, self.thickness_rule)
+        self.prestretch(self.path.stretch(parameter))
         self.weight.value = self.gravity * self.path.weight_fraction(parameter)
         self.saddle.value = self.imperfection * self.path.imperfection_fraction(parameter)
+
+    def prestretch(self, stretch: tuple[float, float]) -> None:
+        """Set the natural state of the substrate alone."""
+        self.solid.layers[SUBSTRATE].natural.value = natural_state(stretch, self.thickness_rule)
 
 
 def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:

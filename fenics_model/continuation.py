@@ -80,10 +80,15 @@ class Predictor:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Residuals relative to the reference: at milestones and on the way between them."""
+    """Residuals relative to the reference: at milestones and on the way between them.
+
+    The reference is at least `least_reference`, so that a state without prestretch and load, whose
+    own is zero, has one.
+    """
 
     milestone: float
     path: float
+    least_reference: float
 
 
 def follow(
@@ -124,8 +129,9 @@ def follow(
         step = control.step_toward(goal - here)
         there = goal if np.isclose(here + step, goal, rtol=0, atol=1e-12) else here + step
         load(there)
+        tolerance = tolerances.milestone if there == goal else tolerances.path
         outcome, relative = equilibrate(
-            newton, predictor.at(there), tolerances.milestone if there == goal else tolerances.path
+            newton, predictor.at(there), tolerance, tolerances.least_reference
         )
         spent += outcome.iterations
         if not outcome.converged:
@@ -146,10 +152,10 @@ def follow(
 
 
 def equilibrate(
-    newton: Newton, guess: NDArray[np.float64], tolerance: float
+    newton: Newton, guess: NDArray[np.float64], tolerance: float, least_reference: float
 ) -> tuple[NewtonOutcome, float]:
     """Solve from a guess; return the outcome and the residual relative to the reference."""
-    reference = reference_residual(newton)
+    reference = max(reference_residual(newton), least_reference)
     newton.state.x.array[:] = guess
     outcome = newton.solve(tolerance * reference)
     return outcome, outcome.residual / reference

@@ -43,6 +43,9 @@ from fenics_model.stability import unstable_modes
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
 
+REFERENCE_STRETCH = (1.001, 1.001)
+"""Tolerances are relative to what is to be balanced, at least to this prestretch."""
+
 
 def release(
     specimen: Specimen,
@@ -55,16 +58,16 @@ def release(
 ) -> xr.Dataset:
     """Do what `fenics_model.solve` says."""
     comm = MPI.COMM_WORLD if comm is None else comm
-    mesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen))
-    body = bilayer_solid(specimen, mesh, settings, comm)
-    run = Release(specimen, mesh, body, settings, progress if comm.rank == 0 else None)
+    planar: PlanarMesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen))
+    body = bilayer_solid(specimen, planar, settings, comm)
+    run = Release(specimen, planar, body, settings, progress if comm.rank == 0 else None)
     if start is not None:
-        run.start_from(starting_shape(start, mesh, specimen.prestretch.nominal[0]))
+        run.start_from(starting_shape(start, planar, specimen.prestretch.nominal[0]))
     stop_reason = run.follow()
     states, positions, stop_reason = comm.bcast((run.states, run.positions, stop_reason))
     return build_result(
         specimen,
-        mesh,
+        planar,
         states,
         solver="fenics",
         model=next(iter(MODELS)),
@@ -120,7 +123,10 @@ class Release:
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
         )
-        self._tolerances = Tolerances(settings.tolerance, settings.path_tolerance)
+        body.prestretch(REFERENCE_STRETCH)
+        self._tolerances = Tolerances(
+            settings.tolerance, settings.path_tolerance, reference_residual(self._newton)
+        )
         self.states: list[MilestoneState] = []
         self.positions: list[NDArray[np.float64]] = []
         self._tally = _Tally()
@@ -138,9 +144,10 @@ class Release:
         first = self._body.path.milestones[0]
         self._body.load(first)
         extrude_shape(solid, self._mesh, placed(shape, self._mesh, held_nodes(self._mesh)))
-        tolerance = settings.path_tolerance * reference_residual(self._newton)
+        least = self._tolerances.least_reference
+        tolerance = settings.path_tolerance * max(reference_residual(self._newton), least)
         settled = settle(solid, self._absent, tolerance, settings.petsc_options)
-        outcome, relative = equilibrate(self._newton, values.copy(), settings.tolerance)
+        outcome, relative = equilibrate(self._newton, values.copy(), settings.tolerance, least)
         iterations = settled.iterations + outcome.iterations
         if outcome.converged:
             self._note(Equilibrium(first, 0, iterations, relative, outcome.correction))

@@ -42,5 +42,12 @@ class ReleasePath:
         return min(1.0, parameter / self._ends[1])
 
     def imperfection_fraction(self, parameter: float) -> float:
-        """Part of the symmetry-breaking load that acts: falls to 0 at the first milestone."""
-        return 1.0 - self.weight_fraction(parameter)
+        """Part of the symmetry-breaking load that acts: 0 at every milestone.
+
+        It falls to the first and swells between the others, so that a path which branches on the
+        way turns smoothly onto the branch of less energy.
+        """
+        segment = int(np.searchsorted(self._ends[1:-1], parameter))
+        begin, end = self._ends[segment : segment + 2]
+        share = float(np.clip((parameter - begin) / (end - begin), 0.0, 1.0))
+        return 1.0 - share if segment == 0 else 4 * share * (1 - share)

@@ -37,7 +37,7 @@ class SolidSettings:
     imperfection: float = documented(
         0.1,
         "saddle-shaped vertical load that breaks the symmetry, acceleration at the rim, "
-        "gone at the first milestone [m/s2]",
+        "gone at every milestone [m/s2]",
     )
     petsc_options: str = documented(
         "", "further PETSc options, such as '-bilayer_snes_monitor'; their prefix is bilayer_"

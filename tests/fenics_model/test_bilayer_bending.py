@@ -68,7 +68,7 @@ def test_a_strip_bends_as_the_exact_solution():
         solid.layers[0].natural.value = natural_state(path.stretch(parameter), "natural")
 
     control = StepControl(0.002, 1e-4, 0.02, 6)
-    for _ in follow(newton, load, path.milestones, control, Tolerances(1e-10, 1e-4)):
+    for _ in follow(newton, load, path.milestones, control, Tolerances(1e-10, 1e-4, 0.0)):
         pass
     newton.destroy()
     centre_line = (volume.points + solid.vertex_displacements())[volume.interface[:41]][:, [0, 2]]

@@ -17,6 +17,7 @@ def test_the_imperfection_is_gone_and_the_weight_full_at_the_first_milestone():
     first, second = path.milestones
     assert path.imperfection_fraction(0.0) == 1.0
     assert path.imperfection_fraction(first / 2) == pytest.approx(0.5)
+    assert path.imperfection_fraction((first + second) / 2) == pytest.approx(1.0)
     assert [path.imperfection_fraction(t) for t in (first, second)] == [0.0, 0.0]
     assert path.weight_fraction(first / 2) == pytest.approx(0.5)
     assert [path.weight_fraction(t) for t in (0.0, first, second)] == [0.0, 1.0, 1.0]

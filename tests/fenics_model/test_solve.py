@@ -198,3 +198,13 @@ def test_two_ranks_give_what_one_gives():
 def test_an_error_on_the_first_rank_is_raised_on_all():
     with pytest.raises((InputError, ComputationError), match=r"mesh\.size"):
         solve(replace(paper_specimen(), mesh=MeshSize(1e-6)))
+
+
+@needs_dolfinx
+def test_without_prestretch_it_is_flat(mesh):
+    """Between a disc bent down and one bent up."""
+    result = solve(COARSE.with_milestones([0.99, 1.0, 1.01]), mesh=mesh)
+    assert result["converged"].values.tolist() == [1, 1, 1]
+    flat = result.sel(prestretch=1.0)
+    assert flat["position"].values == pytest.approx(flat["reference_position"].values, abs=1e-9)
+    assert float(flat["energy"].sum()) < 1e-12
