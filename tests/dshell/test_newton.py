@@ -1,0 +1,86 @@
+"""The static solver where the answer is known: a column that buckles, a sheet that grows."""
+
+import numpy as np
+import pytest
+
+from dshell import HingeSettings, static_release
+from dshell.assembly import Assembly
+from dshell.edge_springs import EdgeSprings
+from dshell.hinges import Hinges
+from dshell.linear_solver import SuperLUSolver
+from dshell.newton import Body, EquilibriumSolver, NewtonLimits
+from dshell.topology import Topology
+
+
+@pytest.fixture
+def column():
+    """Two springs in line, a tenth too short between their held ends."""
+    springs = EdgeSprings(np.array([[0, 1], [1, 2]]), np.ones(2), np.ones(2))
+    straight = np.array([0, 0, 0, 0.9, 0, 0, 1.8, 0, 0])
+    held = [0, 1, 2, 6, 7, 8]
+    solver = EquilibriumSolver(Assembly(9, [springs.dofs], held), SuperLUSolver())
+    return solver, Body([springs], np.zeros(9)), straight
+
+
+def test_a_compressed_column_has_two_unstable_modes_sideways(column):
+    solver, body, straight = column
+    assert solver.residual(body, straight) == pytest.approx([0, 0, 0], abs=1e-15)
+    assert solver.unstable_modes(body, straight) == 2
+    direction = solver.unstable_direction(body, straight)
+    assert np.abs(direction).max() == pytest.approx(1)
+    assert direction[3] == pytest.approx(0, abs=1e-9)
+
+
+def test_once_pushed_it_settles_where_the_springs_are_at_rest(column):
+    solver, body, straight = column
+    pushed = straight + 0.01 * solver.unstable_direction(body, straight)
+    outcome = solver.settle([body], pushed, NewtonLimits(1e-12, 50, 1.0))
+    assert outcome.converged
+    assert np.linalg.norm(outcome.state[3:6] - straight[:3]) == pytest.approx(1, abs=1e-9)
+
+
+def test_too_few_iterations_are_told(column):
+    solver, body, straight = column
+    pushed = straight + 0.01 * solver.unstable_direction(body, straight)
+    outcome = solver.settle([body], pushed, NewtonLimits(1e-12, 1, 1.0))
+    assert (outcome.converged, outcome.iterations) == (False, 1)
+
+
+class GrownMiddle:
+    """A flat lattice whose middle grows: flat it is in equilibrium, and unstable."""
+
+    extra_dofs = 0
+
+    def __init__(self, mesh):
+        self._mesh = mesh
+
+    def energies(self, stretch):
+        topology = Topology.of(self._mesh.triangles)
+        ends = self._mesh.points[topology.edges]
+        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        inside = np.linalg.norm(ends.mean(axis=1), axis=1) < 0.02
+        count = len(topology.hinges)
+        return (
+            EdgeSprings(topology.edges, length**2, length * np.where(inside, stretch[0], 1.0)),
+            Hinges(topology.hinges, np.full(count, 1e-9), np.zeros(count)),
+        )
+
+    def energy_terms(self, stretch, state):
+        return {}
+
+    def bond_height(self, stretch):
+        return 0.0
+
+
+@pytest.mark.parametrize(("escapes", "is_stable"), [(0, False), (3, True)])
+def test_an_unstable_equilibrium_is_left(
+    coarse_specimen, coarse_mesh, monkeypatch, escapes, is_stable
+):
+    monkeypatch.setattr(static_release, "ESCAPES", escapes)
+    specimen = coarse_specimen.with_milestones([1.05])
+    states, reason = static_release.release_static(
+        specimen, coarse_mesh, GrownMiddle(coarse_mesh), HingeSettings(), None, None
+    )
+    assert reason == ""
+    assert (states[0].unstable_modes == 0) == is_stable
+    assert (np.ptp(states[0].position[:, 2]) > 1e-3) == is_stable
