@@ -1,7 +1,8 @@
 """Hinges and springs with laminate theory's natural angles and lengths: the paper's method mended.
 
-The surface is the neutral axis of whatever is there; the step between that of the bare substrate
-and that of the bilayer is left out. What no choice of lengths and angles can mend, the lattice's
+The surface bends about the neutral axis of whatever is there; the step between that of the bare
+substrate and that of the bilayer is left out, and the surface counts as the bond (0.3 mm from it in
+the paper's bilayer). What no choice of lengths and angles can mend, the lattice's
 own Poisson's ratios, stands in docs/theory-dshell.md.
 """
 
@@ -40,7 +41,6 @@ class HingeModel:
         """Return the energies of stretching and of bending, J."""
         return total_energies(self.energies(stretch), state)
 
-    def bond_height(self, stretch: tuple[float, float]) -> Array:
-        """Return how far the bond lies above the surface at each node, m."""
-        bare, bilayer = specimen_sections(self._specimen, stretch)
-        return np.where(self._mesh.kirigami_nodes, -bilayer.neutral_axis, -bare.neutral_axis)
+    def bond_height(self, stretch: tuple[float, float]) -> float:
+        """Return 0: the flat lattice is the flat bond, whichever neutral axis lies where."""
+        return 0.0

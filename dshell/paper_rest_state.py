@@ -1,6 +1,6 @@
 """The rest state of the paper's discrete shell: stiffnesses, natural lengths and natural angles.
 
-Everything as printed, eqs. 2, 3, 5 and 7; what is wrong with it stands in docs/theory.md.
+Everything as printed, eqs. 2, 3, 5 and 7; what is wrong with it stands in docs/theory-dshell.md.
 
     k_s = sqrt(3)/2 Y_s t_s l^2                     (2)
     L = l / lambda                                  (3)

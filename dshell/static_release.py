@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 Stretch = tuple[float, float]
 
 UNSTRETCHED: Stretch = (1.0, 1.0)
+ROUND_OFF = 1e-13
+"""Residual force, over E t R of the substrate, that no equilibrium can be asked to go below."""
 ESCAPES = 3
 """How often an unstable equilibrium is left before it is kept as it is."""
 ESCAPE = 0.1
@@ -105,6 +107,9 @@ class StaticRelease:
         assembly = Assembly(size, stencils, held_coordinates(mesh))
         self._solver = EquilibriumSolver(assembly, linear_solver)
         self._longest_step = settings.longest_step * specimen.outer_radius
+        substrate = specimen.substrate
+        stiffness = substrate.material.young_modulus * substrate.thickness
+        self._round_off = ROUND_OFF * stiffness * specimen.outer_radius
         self._escape = ESCAPE * specimen.substrate.thickness
         self._iterations = self._load_steps = 0
 
@@ -201,9 +206,8 @@ class StaticRelease:
         """Settle at a prestretch; return the outcome as it is where that fails."""
         body = self._body(stretch)
         scale = self._force_scale(body, stretch)
-        limits = NewtonLimits(
-            self._settings.tolerance * scale, self._settings.max_iterations, self._longest_step
-        )
+        tolerance = max(self._settings.tolerance * scale, self._round_off)
+        limits = NewtonLimits(tolerance, self._settings.max_iterations, self._longest_step)
         outcome = self._counted(self._ramp(here.stretch, body, stretch), here.state, limits)
         for _ in range(ESCAPES):
             if not outcome.converged or self._solver.unstable_modes(body, outcome.state) == 0:

@@ -66,6 +66,20 @@ def test_where_it_stops_the_last_equilibrium_is_kept(coarse_specimen, coarse_mes
     assert result.attrs["stop_reason"].startswith("stopped at prestretch 1: Newton's method")
 
 
+def test_no_prestretch_is_flat_and_costs_nothing(coarse_specimen, coarse_mesh):
+    specimen = coarse_specimen.with_milestones([1.0, 1.03])
+    result = solve(specimen, "dshell", MorleySettings(), mesh=coarse_mesh)
+    assert result.converged.values.tolist() == [1, 1]
+    assert result.iterations.values[0] == 0
+    assert np.ptp(result.position.values[0, :, 2]) < 1e-12
+
+
+def test_a_compressed_substrate_bends_the_other_way(coarse_specimen, coarse_mesh):
+    specimen = coarse_specimen.with_milestones([0.97])
+    shape = solve(specimen, "dshell", MorleySettings(), mesh=coarse_mesh).position.values[0]
+    assert shape[coarse_mesh.centre_node, 2] < shape[coarse_mesh.rim_nodes, 2].mean() - 5e-3
+
+
 def test_weight_pulls_the_rim_down(coarse_specimen, coarse_mesh, released):
     specimen = replace(coarse_specimen, gravity=9.81).with_milestones([1.03])
     heavy = solve(specimen, "dshell", MorleySettings(), mesh=coarse_mesh)
