@@ -17,8 +17,7 @@ from bilayer.specimen_file import (
     read_specimen,
     specimen_to_toml,
 )
-
-__version__ = "0.1.0"
+from bilayer.version import __version__
 
 __all__ = [
     "BilayerError",
@@ -33,6 +32,7 @@ __all__ = [
     "PlanarMesh",
     "Prestretch",
     "Specimen",
+    "__version__",
     "generate_mesh",
     "open_result",
     "paper_specimen",

@@ -13,20 +13,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from bilayer import __version__
 from bilayer.comparison import compare, comparison_table
 from bilayer.conversion import convert_milestones, convert_result
 from bilayer.errors import BilayerError, InputError
 from bilayer.figures import draw_comparison, draw_mesh, draw_shapes, save_figure
 from bilayer.mesh_generation import generate_mesh
+from bilayer.output_file import check_writable
 from bilayer.planar_mesh import PlanarMesh, read_planar_mesh, write_planar_mesh
 from bilayer.progress import progress_bar
 from bilayer.report import provenance, result_table
-from bilayer.result import check_writable, open_result, write_result
+from bilayer.result import open_result, write_result
 from bilayer.settings import describe, settings_from, split_solver_settings
 from bilayer.solvers import SOLVERS, settings_kind, solve, solver_package
 from bilayer.specimen import Specimen
 from bilayer.specimen_file import read_specimen, template
+from bilayer.version import __version__
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -39,7 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _parser().parse_args(arguments)
     try:
-        return options.run(options)
+        status = options.run(options)
+        sys.stdout.flush()
+        return status
     except BilayerError as error:
         return _fail(error, options, 2 if isinstance(error, InputError) else 1)
     except MemoryError as error:
@@ -49,6 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our stdout has gone, as in `bilayer init | head -3`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:  # of stdout, as on a full disk
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123  # what is buffered has nowhere to go
+        return _fail(error, options, 1)
     except Exception:
         traceback.print_exc()
         _abort_other_ranks()
@@ -193,10 +199,9 @@ def _solve(options: argparse.Namespace) -> int:
         return 0  # the first rank computes alone
     check_writable(Path(options.output))
     values, overrides = split_solver_settings(options.overrides)
-    if options.prestretch is not None:
-        milestones = ", ".join(f"[{m}]" if "," in m else m for m in options.prestretch)
-        overrides.append(f"prestretch.milestones=[{milestones}]")
     specimen = _specimen(options, overrides)
+    if options.prestretch is not None:
+        specimen = specimen.with_milestones([_milestone(word) for word in options.prestretch])
     settings: Any = settings_from(settings_kind(options.solver, options.model), values)
     mesh = None if options.mesh is None else _mesh_of(specimen, options.mesh)
     start = None if options.start is None else open_result(options.start)
@@ -211,6 +216,15 @@ def _solve(options: argparse.Namespace) -> int:
         if not options.quiet:
             print(result_table(result))
     return _status_of(result, settings, told=first)
+
+
+def _milestone(word: str) -> float | tuple[float, ...]:
+    """Read L or LX,LY."""
+    try:
+        numbers = tuple(float(part) for part in word.split(","))
+    except ValueError:
+        raise InputError(f"--prestretch {word}: expected a number, or two as LX,LY") from None
+    return numbers[0] if len(numbers) == 1 else numbers
 
 
 def _mesh_of(specimen: Specimen, path: str) -> PlanarMesh:

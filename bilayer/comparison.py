@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bilayer.alignment import rms_distance
 from bilayer.errors import InputError
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import result_mesh, result_specimen
+from bilayer.result import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.shape import outer_radius
 from bilayer.specimen import MeshSize, Specimen
 from bilayer.surface import flat_surface
@@ -30,7 +30,6 @@ MEASURES = (
     "height",
     "converged",
 )
-SAME_STRETCH = 1e-9
 
 
 def result_label(result: xr.Dataset) -> str:

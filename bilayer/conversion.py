@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh_file import write_mesh_file
+from bilayer.result import SAME_STRETCH
 from bilayer.validation import one_of
-
-SAME_STRETCH = 1e-9
 
 
 def convert_result(
@@ -89,7 +88,7 @@ def _reached(result: xr.Dataset, prestretch: float | None) -> NDArray[np.int64]:
 
 
 def _with_prestretch(path: Path, prestretch: float) -> Path:
-    return path.with_name(f"{path.stem}_{prestretch:g}{path.suffix}")
+    return path.with_name(f"{path.stem}_{prestretch:.10g}{path.suffix}")
 
 
 def _midsurface(shape: xr.Dataset) -> meshio.Mesh:

@@ -39,7 +39,11 @@ def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
-    file_format = FORMATS.get(Path(path).suffix)
+    ending = Path(path).suffix
+    if ending not in meshio.extension_to_filetypes:
+        known = ", ".join(sorted(meshio.extension_to_filetypes))
+        raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
+    file_format = FORMATS.get(ending)
     with whole_file(path, "mesh file") as partial, _meshio_speaks_by_errors(path, "written"):
         meshio.write(partial, mesh, file_format=file_format)
 

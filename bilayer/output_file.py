@@ -1,6 +1,5 @@
 """A file that appears whole or not at all: written in a folder beside it, then moved."""
 
-import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -43,9 +42,12 @@ def whole_file(path: str | Path, what: str) -> Iterator[Path]:
 def check_writable(path: Path) -> None:
     """Raise InputError unless a file can be made in the folder of `path`."""
     folder = path.parent
-    if not folder.is_dir():
-        raise InputError(f"output file {path}: the folder {folder} does not exist")
-    if path.is_dir():
-        raise InputError(f"output file {path}: is a folder, expected a file name")
-    if not os.access(folder, os.W_OK):
-        raise InputError(f"output file {path}: the folder {folder} cannot be written to")
+    try:
+        if not folder.is_dir():
+            raise InputError(f"output file {path}: the folder {folder} does not exist")
+        if path.is_dir():
+            raise InputError(f"output file {path}: is a folder, expected a file name")
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"output file {path}: cannot be made ({error.strerror})") from error

@@ -10,7 +10,6 @@ import math
 import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.output_file import check_writable as check_writable
 from bilayer.output_file import whole_file
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.self_contact import BondedBody, self_contact_gap
@@ -27,10 +25,25 @@ from bilayer.settings import settings_to_toml
 from bilayer.shape import ShapeMeasures, measure_shape
 from bilayer.specimen import Specimen
 from bilayer.specimen_file import parse_specimen, specimen_to_toml
+from bilayer.version import __version__
 
 SCHEMA_VERSION = 1
 FORMAT = "bilayer-shells result"
+REQUIRED = {
+    "attribute": (
+        "specimen", "settings", "solver", "model", "versions", "git_commit", "stop_reason",
+    ),
+    "variable": (
+        "prestretch", "prestretch_x", "prestretch_y", "reference_position", "face_nodes", "region",
+        "position", "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "span",
+        "height", "iterations", "load_steps", "residual", "unstable_modes", "converged",
+        "wall_time",
+    ),
+}  # fmt: skip
+"""What a file of ours holds, whatever made it."""
 UNKNOWN_STABILITY = -1
+SAME_STRETCH = 1e-9
+"""Milestones that differ by less are the same."""
 
 
 @dataclass(frozen=True)
@@ -176,6 +189,10 @@ def open_result(path: str | Path) -> xr.Dataset:
             f"result file {path}: format = {result.attrs.get('format')!r}, expected {FORMAT!r}"
         )
     _check_schema(path, result.attrs.get("schema_version"))
+    for part, held in (("attribute", result.attrs), ("variable", result.variables)):
+        missing = [name for name in REQUIRED[part] if name not in held]
+        if missing:
+            raise InputError(f"result file {path}: the {part} {missing[0]!r} is missing")
     return result
 
 
@@ -211,11 +228,7 @@ def result_mesh(result: xr.Dataset) -> PlanarMesh:
 
 def own_versions() -> dict[str, str]:
     """Versions of this package and of those that every result needs."""
-    found = {"numpy": np.__version__, "xarray": xr.__version__}
-    try:
-        return {"bilayer-shells": version("bilayer-shells"), **found}
-    except PackageNotFoundError:  # run from a checkout
-        return {"bilayer-shells": "checkout", **found}
+    return {"bilayer-shells": __version__, "numpy": np.__version__, "xarray": xr.__version__}
 
 
 def git_commit() -> str:

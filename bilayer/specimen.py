@@ -14,6 +14,7 @@ from bilayer.material import Law
 from bilayer.validation import not_negative, one_of, positive, whole
 
 BONDED_THICKNESS_RULES = ("natural", "constant")
+SMALLEST_STRETCH, LARGEST_STRETCH = 0.1, 10.0
 
 
 @dataclass(frozen=True)
@@ -216,6 +217,15 @@ def _stretch_pair(milestone: float | Sequence[float]) -> tuple[float, float]:
             raise InputError(
                 f"{field} = {list(milestone)}: expected one number or [lambda_x, lambda_y]"
             )
-        return positive(field, milestone[0]), positive(field, milestone[1])
-    number = positive(field, milestone)
-    return number, number
+        return _stretch(milestone[0]), _stretch(milestone[1])
+    return _stretch(milestone), _stretch(milestone)
+
+
+def _stretch(value: float) -> float:
+    number = positive("prestretch.milestones", value)
+    if not SMALLEST_STRETCH <= number <= LARGEST_STRETCH:
+        raise InputError(
+            f"prestretch.milestones = {value}: expected stretches from {SMALLEST_STRETCH:g} to "
+            f"{LARGEST_STRETCH:g}"
+        )
+    return number

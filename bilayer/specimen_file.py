@@ -67,7 +67,7 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
         The file is missing or malformed, a key is unknown, or a value is out of its range.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text file"
         raise InputError(f"specimen file {path}: cannot be read ({reason})") from error
@@ -107,11 +107,12 @@ def with_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[st
 
 
 def toml_value(text: str) -> Any:
-    """Return `text` read as a TOML value, or as a plain string where it is none."""
+    """Return `text` read as one TOML value, or as a plain string where it is none."""
     try:
-        return tomllib.loads(f"value = {text.strip()}")["value"]
+        table = tomllib.loads(f"value = {text.strip()}")
     except tomllib.TOMLDecodeError:
         return text.strip()
+    return table["value"] if list(table) == ["value"] else text
 
 
 def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:

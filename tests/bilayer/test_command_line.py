@@ -113,6 +113,14 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ([*SHELL, "-o", "a.nc", "--model", "papr"], "model = 'papr': .*did you mean 'paper'"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1.1", "1.05"], "1.05 follows 1.1"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "-1"], "expected a number greater than 0"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "nan"], "expected a finite number"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "1e300"], "expected stretches from 0.1 to 10"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "1.06] #"], "expected a number, or two as LX,LY"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "1,2,3"], "one number or"),
+        ([*SHELL, "-o", f"{'a' * 300}.nc"], "cannot be made"),
+        ([*SHELL, "-o", "/proc/a.nc"], "cannot be made"),
+        ([*SHELL, "-o", "a.nc", "--set", "mesh.corner_size=1e-9"], "triangles would take"),
+        ([*SHELL, "-o", "a.nc", "--mesh-size", "1e-300"], "mesh.size = 1e-300 m"),
         ([*SHELL, "-o", "a.nc", "--mesh-size", "abc"], "mesh.size = 'abc': expected a number"),
         ([*SHELL, "-o", "a.nc", "--mesh-size", "1e-6"], "mesh.size = 1e-06 m: about .* GiB"),
         ([*SHELL, "-o", "a.nc", "--mesh", "none.msh"], "mesh file none.msh: cannot be read"),
@@ -120,7 +128,10 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         (["solve", "none.toml", "--solver", "dshell", "-o", "a.nc"], "none.toml: cannot be read"),
         (["solve", "specimen.toml", "--solver", "abaqus", "-o", "a.nc"], "invalid choice"),
         (["solve", "specimen.toml", "--solver", "dshell"], "required: -o"),
-        (["mesh", "specimen.toml", "-o", "mesh.xyzzy"], "mesh file mesh.xyzzy: cannot be written"),
+        (
+            ["mesh", "specimen.toml", "-o", "mesh.xyzzy"],
+            "mesh file mesh.xyzzy: cannot be written, expected",
+        ),
         (["info", "specimen.toml"], "result file specimen.toml: cannot be read"),
         (["frobnicate"], "invalid choice: 'frobnicate'"),
         ([], "the following arguments are required: VERB"),
@@ -146,3 +157,31 @@ def test_a_mesh_of_another_size_is_refused(folder, capsys):
 
 def test_verbose_shows_the_trace(bilayer_command):
     assert "Traceback" in bilayer_command("info", "none.nc", "--verbose").stderr
+
+
+def test_a_run_that_stops_early_keeps_its_file_and_fails_unless_that_is_a_result(
+    folder, capsys, monkeypatch
+):
+    """The printed shell's stopping is one of its results; of any other model it is a failure."""
+    words = [*SHELL, "--prestretch", "1.24", "-o", "a.nc", "--set", "solver.max_iterations=1"]
+    assert main(words) == 0
+    assert "stopped early" in capsys.readouterr().err
+    assert open_result("a.nc")["converged"].values.tolist() == [0]
+    monkeypatch.setattr("dshell.settings.PaperSettings.stopping_is_a_result", False)
+    assert main(words) == 1
+
+
+def test_what_is_pasted_into_a_value_is_not_taken_for_toml(folder, capsys):
+    pasted = "substrate.thickness=0.001\n[gravity]\nacceleration = 3.0"
+    assert "substrate.thickness" in error_of(capsys, [*SHELL, "-o", "a.nc", "--set", pasted])
+
+
+def test_a_full_disk_under_stdout_is_one_line():
+    done = subprocess.run(
+        [sys.executable, "-m", "bilayer", "init"],
+        stdout=open("/dev/full", "w"),  # noqa: SIM115, PTH123
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert done.returncode == 1
+    assert done.stderr == "bilayer: error: [Errno 28] No space left on device\n"

@@ -181,3 +181,18 @@ def test_a_folder_that_is_not_there(result, tmp_path):
         write_result(result, tmp_path / "missing" / "result.nc")
     with pytest.raises(InputError, match="is a folder, expected a file name"):
         write_result(result, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["position", "face_nodes", "converged"])
+def test_a_file_without_one_of_its_variables_is_refused(tmp_path, name):
+    write_result(cap_result(reached=1.06).drop_vars(name), tmp_path / "a.nc")
+    with pytest.raises(InputError, match=f"the variable '{name}' is missing"):
+        open_result(tmp_path / "a.nc")
+
+
+def test_a_file_without_its_specimen_is_refused(tmp_path):
+    result = cap_result(reached=1.06)
+    del result.attrs["specimen"]
+    write_result(result, tmp_path / "a.nc")
+    with pytest.raises(InputError, match="the attribute 'specimen' is missing"):
+        open_result(tmp_path / "a.nc")
