@@ -60,7 +60,8 @@ def draw_quality_against(shell: xr.Dataset, reference: xr.Dataset) -> Figure:
         figure = new_figure(4.2, 4.4)
         axes = figure.add_subplot()
         axes.plot([0, 1], [0, 1], color="0.5", linestyle="--", linewidth=0.9, label="equal quality")
-        axes.plot(along, up, "o", color=RESULT_COLOURS[0], label="milestone, with its λ")
+        axes.plot(along, up, "o", color=RESULT_COLOURS[0], clip_on=False,
+                  label="milestone, with its λ")  # fmt: skip
         for stretch, x, y in zip(comparison["prestretch"].values, along, up, strict=True):
             if np.isfinite(x + y):
                 axes.annotate(f"{stretch:g}", (x, y), xytext=(5, -3), textcoords="offset points",
@@ -99,11 +100,32 @@ def draw_comparison(comparison: xr.Dataset) -> Figure:
     return figure
 
 
+def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
+    """Draw how far several results are from one: rms distance against prestretch, logarithmic.
+
+    Parameters
+    ----------
+    comparisons : sequence of Dataset
+        From `bilayer.comparison.compare`, all with the same first result.
+    """
+    with print_style():
+        figure = new_figure(4.8, 3.8)
+        axes = figure.add_subplot()
+        for k, comparison in enumerate(comparisons, start=1):
+            percent = 100 * comparison["rms_distance_over_radius"].values
+            label = comparison.attrs["second"]
+            axes.semilogy(comparison["prestretch"].values, percent, label=label, **_look(k))
+        axes.set_ylabel(f"rms distance to {comparisons[0].attrs['first']} (% of R)")
+        _finish(axes)
+        figure.legend(loc="outside upper center", ncols=len(comparisons))
+    return figure
+
+
 def _draw_line(
     axes: Axes, stretch: NDArray[np.float64], quality: NDArray[np.float64], k: int, label: str
 ) -> None:
     """Draw one result, and a cross above the frame where a milestone was not reached."""
-    axes.plot(stretch, quality, label=label, **_look(k))
+    axes.plot(stretch, quality, label=label, clip_on=False, **_look(k))
     missing = stretch[np.isnan(quality)]
     if len(missing):
         axes.plot(missing, np.full(len(missing), 1.03 + 0.05 * k), linestyle="none", marker="x",

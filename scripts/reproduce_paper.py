@@ -9,13 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
-from paper_observations import observations
+from paper_observations import accurate_shell_conclusion, observations
 
 import bilayer
 from bilayer.comparison import compare, comparison_table
 from bilayer.figures import (
     draw_birds_eye,
-    draw_comparison,
+    draw_distances,
     draw_isometric,
     draw_mesh,
     draw_quality,
@@ -29,6 +29,11 @@ from bilayer.solvers import settings_kind
 RESULTS = Path(__file__).parents[1] / "results"
 QUICK_MILESTONES = (1.03, 1.06, 1.15, 1.24)
 QUICK_MESH = bilayer.MeshSize(0.006)
+SHELLS = {
+    "morley": "The accurate shell (morley)",
+    "hinge": "Hinges and springs with the natural lengths and angles of laminate theory (hinge)",
+    "paper": "The paper's shell as printed, its substrate of constant thickness (paper)",
+}
 
 
 def main() -> int:
@@ -50,10 +55,13 @@ def reproduce(specimen: bilayer.Specimen, folder: Path) -> None:
     """Compute, draw and report; every result is on the disk as soon as it is there."""
     mesh = bilayer.generate_mesh(specimen)
     save_figure(draw_mesh(mesh), folder / "mesh.png")
-    shell = _solved(specimen, mesh, "dshell", "paper", folder / "shell_paper.nc")
+    shells = {
+        model: _solved(specimen, mesh, "dshell", model, folder / f"shell_{model}.nc")
+        for model in SHELLS
+    }
     fenics = _solved(specimen, mesh, "fenics", "solid", folder / "fenics.nc")
-    _draw(fenics, shell, folder)
-    report = _report(fenics, shell)
+    _draw(fenics, shells, folder)
+    report = report_of(fenics, shells)
     (folder / "report.txt").write_text(report, encoding="utf-8")
     print(report, end="")
     print(f"\nResults, figures and this report are in {_shown(folder)}")
@@ -69,31 +77,33 @@ def _solved(
     return result
 
 
-def _draw(fenics: xr.Dataset, shell: xr.Dataset, folder: Path) -> None:
-    for result, name in ((fenics, "fenics"), (shell, "shell_paper")):
+def _draw(fenics: xr.Dataset, shells: dict[str, xr.Dataset], folder: Path) -> None:
+    for result, name in ((fenics, "fenics"), (shells["paper"], "shell_paper")):
         save_figure(draw_isometric(result), folder / f"{name}_isometric.png")
         save_figure(draw_birds_eye(result), folder / f"{name}_birdseye.png")
-    save_figure(draw_quality([fenics, shell]), folder / "quality.png")
-    save_figure(draw_quality_against(shell, fenics), folder / "quality_shell_against_fenics.png")
-    save_figure(draw_comparison(compare(fenics, shell)), folder / "comparison.png")
+    save_figure(draw_quality([fenics, *shells.values()]), folder / "quality.png")
+    save_figure(
+        draw_quality_against(shells["paper"], fenics), folder / "quality_shell_against_fenics.png"
+    )
+    comparisons = [compare(fenics, shell) for shell in shells.values()]
+    save_figure(draw_distances(comparisons), folder / "shells_against_fenics.png")
 
 
-def _report(fenics: xr.Dataset, shell: xr.Dataset) -> str:
-    parts = [
-        "The finite-element model",
-        result_table(fenics),
-        "",
-        "The paper's shell, as printed",
-        result_table(shell),
-        *([shell.attrs["stop_reason"]] if shell.attrs["stop_reason"] else []),
-        "",
-        "Side by side",
-        comparison_table(compare(fenics, shell)),
-        "",
-        "What the paper observed",
-        *observations(fenics, shell),
-    ]
-    return "\n".join(parts) + "\n"
+def report_of(fenics: xr.Dataset, shells: dict[str, xr.Dataset]) -> str:
+    """Return the tables of all results, their comparisons, and the paper's observations."""
+    parts = [_titled("The finite-element model", result_table(fenics))]
+    for model, shell in shells.items():
+        parts.append(_titled(SHELLS[model], result_table(shell), shell.attrs["stop_reason"]))
+    for model, shell in shells.items():
+        title = f"The finite-element model (a) and the shell {model!r} (b)"
+        parts.append(_titled(title, comparison_table(compare(fenics, shell))))
+    parts.append(_titled("What the paper observed", *observations(fenics, shells["paper"])))
+    parts.append(accurate_shell_conclusion(fenics, shells["morley"]))
+    return "\n\n".join(parts) + "\n"
+
+
+def _titled(title: str, *lines: str) -> str:
+    return "\n".join([title, *(line for line in lines if line)])
 
 
 def _options() -> argparse.Namespace:

@@ -15,6 +15,7 @@ from bilayer.figure_style import BARE_COLOUR, KIRIGAMI_COLOUR
 from bilayer.figures import (
     draw_birds_eye,
     draw_comparison,
+    draw_distances,
     draw_isometric,
     draw_mesh,
     draw_quality,
@@ -177,3 +178,15 @@ def test_many_milestones_fill_a_grid():
     milestones = tuple(1.02 + 0.02 * k for k in range(6))
     panels = visible_axes(draw_isometric(cap_result(small_specimen(milestones))))
     assert len(panels) == 6
+
+
+def test_distances_are_drawn_for_every_comparison():
+    near, far = cap_result(reached=1.06), cap_result(reached=1.06)
+    far["position"] = 1.01 * far["position"]
+    comparison = compare(near, far)
+    figure = draw_distances([comparison, comparison])
+    lines = figure.axes[0].lines
+    expected = 100 * comparison["rms_distance_over_radius"].values
+    assert len(lines) == 2
+    for line in lines:
+        np.testing.assert_array_equal(line.get_ydata(), expected)

@@ -208,3 +208,14 @@ def test_without_prestretch_it_is_flat(mesh):
     flat = result.sel(prestretch=1.0)
     assert flat["position"].values == pytest.approx(flat["reference_position"].values, abs=1e-9)
     assert float(flat["energy"].sum()) < 1e-12
+
+
+@needs_dolfinx
+@pytest.mark.slow
+def test_the_mesh_does_not_matter_to_the_radius():
+    """A millimetre off the best sphere's radius at 1.06 would be 2 %."""
+    radius = [
+        float(solve(replace(COARSE.with_milestones([1.06]), mesh=MeshSize(size)))["sphere_radius"])
+        for size in (0.010, 0.005)
+    ]
+    assert radius[0] == pytest.approx(radius[1], rel=0.01)
