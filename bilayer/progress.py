@@ -22,7 +22,8 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
     """
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining} {postfix}"
     with tqdm(
-        total=1.0,
+        total=100,
+        unit="%",
         desc=title,
         bar_format=layout,
         disable=None if shown else True,  # None: disabled where stderr is no terminal
@@ -32,6 +33,6 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
 
         def progress(fraction: float, message: str) -> None:
             bar.set_postfix_str(message, refresh=False)
-            bar.update(max(fraction - bar.n, 0.0))
+            bar.update(max(int(100 * fraction) - bar.n, 0))
 
         yield progress

@@ -7,31 +7,30 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.result import result_mesh, result_specimen
-from bilayer.specimen import Layer
+from bilayer.specimen import CutPattern, Layer
 from bilayer.table_text import cells, stretch_text, stretches
 
 
 def result_table(result: xr.Dataset) -> str:
-    """Return one line per milestone: shape, effort, stability."""
-    millimetres = {"sphere_radius": "radius mm", "sphere_rmse": "rmse mm", "height": "height mm"}
-    columns: dict[str, list[str]] = {
-        "prestretch": [stretch_text(pair) for pair in stretches(result)]
+    """Return one line per milestone, under two of titles and units: shape, stability, effort."""
+    span = result["span"].values
+    columns = {
+        ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
+        ("", "reached"): ["yes" if done else "no" for done in result["converged"].values],
+        ("", "quality"): cells(result["quality"].values, "{:.3f}"),
+        ("radius", "mm"): cells(1e3 * result["sphere_radius"].values, "{:#.5g}"),
+        ("rmse", "mm"): cells(1e3 * result["sphere_rmse"].values, "{:.2f}"),
+        ("height", "mm"): cells(1e3 * result["height"].values, "{:.2f}"),
+        ("span x", "mm"): cells(1e3 * span[:, 0], "{:.2f}"),
+        ("span y", "mm"): cells(1e3 * span[:, 1], "{:.2f}"),
+        ("hemi-", "sphere"): cells(result["hemisphere_distance"].values, "{:.3f}"),
+        ("", "contact"): contact_words(result),
+        ("unstable", "modes"): [str(n) if n >= 0 else "?" for n in result["unstable_modes"].values],
+        ("load", "steps"): [str(count) for count in result["load_steps"].values],
+        ("Newton", "steps"): [str(count) for count in result["iterations"].values],
+        ("", "residual"): cells(result["residual"].values, "{:.0e}"),
+        ("time", "s"): cells(result["wall_time"].values, "{:.1f}"),
     }
-    columns["converged"] = ["yes" if done else "no" for done in result["converged"].values]
-    columns["quality"] = cells(result["quality"].values, "{:.3f}")
-    for name, title in millimetres.items():
-        columns[title] = cells(1e3 * result[name].values, "{:.2f}")
-    for axis, title in enumerate(("span x mm", "span y mm")):
-        columns[title] = cells(1e3 * result["span"].values[:, axis], "{:.2f}")
-    columns["hemisphere"] = cells(result["hemisphere_distance"].values, "{:.3f}")
-    columns["contact"] = contact_words(result)
-    columns["unstable"] = [
-        str(count) if count >= 0 else "?" for count in result["unstable_modes"].values
-    ]
-    columns["steps"] = [str(count) for count in result["load_steps"].values]
-    columns["iterations"] = [str(count) for count in result["iterations"].values]
-    columns["residual"] = cells(result["residual"].values, "{:.1e}")
-    columns["time s"] = cells(result["wall_time"].values, "{:.1f}")
     return pd.DataFrame(columns).to_string(index=False)
 
 
@@ -42,8 +41,9 @@ def provenance(result: xr.Dataset) -> str:
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
         f"specimen    {specimen.name}: radius {1e3 * specimen.outer_radius:g} mm, "
-        + ("uncut" if specimen.cut is None else f"{specimen.cut.strips} strips"),
-        f"substrate   {_layer(specimen.substrate)}",
+        + ("uncut" if specimen.cut is None else _cut(specimen.cut)),
+        f"substrate   {_layer(specimen.substrate)}, bonded thickness "
+        f"{specimen.prestretch.thickness}",
         f"kirigami    {_layer(specimen.kirigami)}",
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -79,7 +79,9 @@ def trust(result: xr.Dataset) -> str:
     """Return in a few sentences how far the result can be trusted."""
     if not result["converged"].values.any():
         return "No milestone was reached: there is no equilibrium in this file."
-    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}"
+    lost = stretches(result)[result["converged"].values == 0]
+    missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
+    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}{missing}"
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -115,6 +117,11 @@ def _trust_without_contact(result: xr.Dataset) -> str:
 
 def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
+
+
+def _cut(cut: CutPattern) -> str:
+    inner = 1e3 * cut.inner_radius
+    return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
 
 
 def _layer(layer: Layer) -> str:

@@ -228,7 +228,7 @@ def test_every_result_carries_the_gap_and_says_where_it_touches():
     assert gaps[0] == np.inf
     assert gaps[2] == 0
     assert contact_words(result)[2] == "yes"
-    assert "contact" in result_table(result).splitlines()[0]
+    assert "contact" in result_table(result).splitlines()[1]
     assert "TOUCHES ITSELF" in trust(result)
     assert "1.09" in trust(result).split("TOUCHES ITSELF")[1]
 
