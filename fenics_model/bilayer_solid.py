@@ -7,11 +7,12 @@ import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
 from bilayer.specimen import Layer, Specimen
 from fenics_model.layered_mesh import LayeredMesh
-from fenics_model.release_path import ReleasePath
+from fenics_model.release_path import WEIGHT_WAY, ReleasePath
 from fenics_model.settings import SolidSettings
 from fenics_model.solid import Solid, SolidLayer
 from fenics_model.strain_energy import StrainEnergy, energy_constants
@@ -58,6 +59,37 @@ class BilayerSolid:
         self.solid.layers[SUBSTRATE].natural.value = natural_state(stretch, self.thickness_rule)
 
 
+def disturbance(body: BilayerSolid, radius: float, height: float) -> NDArray[np.float64]:
+    """Return a small lift of the body that has part in every low mode: the sum of cos(n (t - n)).
+
+    Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
+    at the centre and the same however the mesh is distributed; the phases n are in no symmetry.
+
+    Parameters
+    ----------
+    body : BilayerSolid
+        To be lifted.
+    radius : float
+        R, m.
+    height : float
+        Amplitude of each term at the rim, m.
+
+    Returns
+    -------
+    array of float
+        A change of the state, this rank's dofs.
+    """
+
+    def lift(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        place = (x[0] + 1j * x[1]) / radius
+        waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
+        return np.stack([0 * x[0], 0 * x[0], height * waves])
+
+    change = fem.Function(body.solid.space)
+    change.sub(0).interpolate(lift)
+    return np.asarray(change.x.array)
+
+
 def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
     """Return (lx, ly, s) of the stretched substrate, see `strain_energy`.
 
@@ -91,7 +123,9 @@ def bilayer_solid(
     )
     return BilayerSolid(
         solid,
-        ReleasePath(specimen.prestretch.milestones),
+        ReleasePath(
+            specimen.prestretch.milestones, weight_way=WEIGHT_WAY if specimen.gravity else 0.0
+        ),
         specimen.prestretch.thickness,
         specimen.gravity,
         settings.imperfection,

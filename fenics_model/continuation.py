@@ -1,4 +1,8 @@
-"""The load path as a generator of equilibria: predict, solve, adapt the step."""
+"""The load path as a generator of equilibria: predict, solve, adapt the step.
+
+Where no step leads on (a limit point, a sharp bifurcation) the load goes on and the body flows to
+the next stable equilibrium; a milestone that turns out unstable is left by the same flow.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -7,8 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
+from bilayer.result import UNKNOWN_STABILITY
+from fenics_model.effort import Effort
+from fenics_model.gradient_flow import FlowOutcome, GradientFlow
 from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.step_control import StepControl
+
+FAILURES_BEFORE_FLOW = 3
+"""Failed attempts at a load step after which the body flows instead (and after as many again)."""
 
 
 class PathError(ComputationError):
@@ -20,13 +30,13 @@ class PathError(ComputationError):
         Why, in a few words.
     parameter : float
         Of the last equilibrium.
-    iterations : int
+    effort : Effort
         Spent on the failed attempts.
     """
 
-    def __init__(self, reason: str, parameter: float, iterations: int) -> None:
+    def __init__(self, reason: str, parameter: float, effort: Effort) -> None:
         super().__init__(reason)
-        self.parameter, self.iterations = parameter, iterations
+        self.parameter, self.effort = parameter, effort
 
 
 @dataclass(frozen=True)
@@ -39,19 +49,19 @@ class Equilibrium:
         Where on the path.
     milestone : int or None
         Which milestone this is, if it is one.
-    iterations : int
-        Newton iterations since the equilibrium before, failed attempts included.
+    effort : Effort
+        What it took since the equilibrium before, failed attempts included.
     residual : float
         Relative to the reference.
-    correction : float
-        Norm of Newton's last correction, m.
+    unstable_modes : int
+        Of a milestone; -1 where it is not known.
     """
 
     parameter: float
     milestone: int | None
-    iterations: int
+    effort: Effort
     residual: float
-    correction: float
+    unstable_modes: int = UNKNOWN_STABILITY
 
 
 class Predictor:
@@ -71,6 +81,11 @@ class Predictor:
             others = [s for s, _ in self._known if s != t]
             guess += np.prod([(parameter - s) / (t - s) for s in others]) * values
         return guess
+
+    @property
+    def parameter(self) -> float:
+        """Of the last equilibrium."""
+        return self._known[-1][0]
 
     @property
     def last(self) -> NDArray[np.float64]:
@@ -93,6 +108,7 @@ class Tolerances:
 
 def follow(
     newton: Newton,
+    flow: GradientFlow,
     load: Callable[[float], None],
     milestones: Sequence[float],
     control: StepControl,
@@ -105,6 +121,8 @@ def follow(
     ----------
     newton : Newton
         Its state is an equilibrium at `start`, and holds each equilibrium as it is yielded.
+    flow : GradientFlow
+        Of the same solver; finds a stable equilibrium where Newton's method alone does not.
     load : callable
         Sets loads and natural states for a path parameter.
     milestones : sequence of float
@@ -121,44 +139,99 @@ def follow(
     PathError
         A step failed even at the smallest size; the state is the last equilibrium again.
     """
-    values = newton.state.x.array
-    predictor, here, spent = Predictor(start, values), start, 0
-    index = sum(milestone <= start for milestone in milestones)
+    tracker = _Tracker(newton, flow, control, start)
+    here, index = start, sum(milestone <= start for milestone in milestones)
     while index < len(milestones):
         goal = milestones[index]
-        step = control.step_toward(goal - here)
-        there = goal if np.isclose(here + step, goal, rtol=0, atol=1e-12) else here + step
+        there = tracker.next_toward(goal, here)
+        at_goal = there == goal
         load(there)
-        tolerance = tolerances.milestone if there == goal else tolerances.path
-        outcome, relative = equilibrate(
-            newton, predictor.at(there), tolerance, tolerances.least_reference
-        )
-        spent += outcome.iterations
+        reference = max(reference_residual(newton), tolerances.least_reference)
+        accepted = reference * (tolerances.milestone if at_goal else tolerances.path)
+        outcome = tracker.advance(there, accepted, reference)
         if not outcome.converged:
-            control = control.after_failure(step)
-            if control.is_exhausted:
-                values[:] = predictor.last
+            if tracker.is_stuck:
+                tracker.go_back()
                 load(here)
-                reason = f"no convergence ({outcome.reason}) even with a load step of {step:.2g}"
-                raise PathError(reason, here, spent)
+                reason = f"no convergence ({outcome.reason}) even with a load step of "
+                raise PathError(f"{reason}{there - here:.2g}", here, tracker.spent())
             continue
-        control = control.after_success(outcome.iterations)
-        predictor.add(there, values)
-        here = there
-        reached = index if there == goal else None
-        index += there == goal
-        yield Equilibrium(there, reached, spent, relative, outcome.correction)
-        spent = 0
+        modes = UNKNOWN_STABILITY
+        if at_goal:
+            outcome, modes = tracker.stabilised(outcome, there, accepted, reference)
+        yield Equilibrium(
+            there,
+            index if at_goal else None,
+            tracker.spent(),
+            outcome.residual / reference,
+            modes,
+        )
+        here, index = there, index + at_goal
 
 
-def equilibrate(
-    newton: Newton, guess: NDArray[np.float64], tolerance: float, least_reference: float
-) -> tuple[NewtonOutcome, float]:
-    """Solve from a guess; return the outcome and the residual relative to the reference."""
-    reference = max(reference_residual(newton), least_reference)
-    newton.state.x.array[:] = guess
-    outcome = newton.solve(tolerance * reference)
-    return outcome, outcome.residual / reference
+class _Tracker:
+    """Keeps to a branch of equilibria, changes to another where it must, and counts the effort."""
+
+    def __init__(
+        self, newton: Newton, flow: GradientFlow, control: StepControl, parameter: float
+    ) -> None:
+        self._newton, self._flow = newton, flow
+        self._first, self._control = control, control
+        self._predictor = Predictor(parameter, newton.state.x.array)
+        self._effort = Effort()
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether the step was cut below the smallest one."""
+        return self._control.is_exhausted
+
+    def next_toward(self, goal: float, here: float) -> float:
+        """Return the parameter of the next step."""
+        there = here + self._control.step_toward(goal - here)
+        return goal if np.isclose(there, goal, rtol=0, atol=1e-12) else there
+
+    def advance(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
+        """Solve from the predicted state; after some failures flow from the last equilibrium."""
+        values, last = self._newton.state.x.array, self._predictor.parameter
+        values[:] = self._predictor.at(there)
+        outcome = self._newton.solve(accepted)
+        self._effort += Effort(outcome.iterations)
+        if outcome.converged:
+            self._control = self._control.after_success(outcome.iterations)
+            self._predictor.add(there, values)
+            return outcome
+        self._control = self._control.after_failure(there - last)
+        if self._control.failures % FAILURES_BEFORE_FLOW and not self.is_stuck:
+            return outcome
+        self.go_back()
+        return self._onto_another_branch(self._flow.relax(accepted, reference), there) or outcome
+
+    def stabilised(
+        self, outcome: NewtonOutcome, there: float, accepted: float, reference: float
+    ) -> tuple[NewtonOutcome, int]:
+        """Leave an unstable equilibrium for a stable one, if there is; with its unstable modes."""
+        modes = self._flow.unstable_modes()
+        if modes <= 0:
+            return outcome, modes
+        left = self._onto_another_branch(self._flow.escape(accepted, reference), there)
+        return (outcome, modes) if left is None else (left, self._flow.unstable_modes())
+
+    def go_back(self) -> None:
+        """Restore the last equilibrium."""
+        self._newton.state.x.array[:] = self._predictor.last
+
+    def spent(self) -> Effort:
+        """Return the effort since the last call."""
+        effort, self._effort = self._effort, Effort()
+        return effort
+
+    def _onto_another_branch(self, flowed: FlowOutcome, there: float) -> NewtonOutcome | None:
+        """Begin anew where a flow has found an equilibrium, because the past predicts nothing."""
+        self._effort += flowed.effort
+        if flowed.equilibrium is not None:
+            self._control = self._first
+            self._predictor = Predictor(there, self._newton.state.x.array)
+        return flowed.equilibrium
 
 
 def reference_residual(newton: Newton) -> float:

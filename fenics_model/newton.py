@@ -8,6 +8,8 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
+from bilayer.errors import InputError
+
 PREFIX = "bilayer_"
 DEFAULT_OPTIONS = {
     "snes_type": "newtonls",
@@ -21,6 +23,9 @@ DEFAULT_OPTIONS = {
     "mat_mumps_icntl_13": "1",  # no ScaLAPACK at the root, so that its pivots' signs are counted
     "mat_mumps_icntl_14": "50",  # percent of extra workspace for delayed pivots
 }
+
+_WRONG_OPTION = (56, 60, 62, 63, 83, 86, 92)
+"""PETSc's codes: unsupported, unequal, wrong, out of range, unreadable, unknown or absent."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,41 @@ class NewtonOutcome:
     residual: float
     correction: float
     reason: str
+
+
+class Viscosity:
+    """A force k M (x - origin) beside the residual.
+
+    Parameters
+    ----------
+    mass : PETSc Mat
+        M, with the sparsity of the tangent, see `Newton.assembled`.
+    k : float
+        Viscosity over time step.
+    origin : PETSc Vec
+        Where the motion starts.
+    """
+
+    def __init__(self, mass: PETSc.Mat, k: float, origin: PETSc.Vec) -> None:
+        self.mass, self.k, self._origin = mass, k, origin
+        self._motion, self._force = origin.duplicate(), origin.duplicate()
+
+    def force(self, x: PETSc.Vec) -> PETSc.Vec:
+        """Return the force at x."""
+        self._motion.waxpy(-1.0, self._origin, x)
+        self.mass.mult(self._motion, self._force)
+        self._force.scale(self.k)
+        return self._force
+
+    def norm_and_work(self, x: PETSc.Vec) -> tuple[float, float]:
+        """Return the norm of the force at x, N, and the work that the motion took, J."""
+        force = self.force(x)
+        return float(force.norm()), float(force.dot(self._motion))
+
+    def destroy(self) -> None:
+        """Free what PETSc holds, but for the mass."""
+        for held in (self._origin, self._motion, self._force):
+            held.destroy()
 
 
 class Newton:
@@ -86,8 +126,9 @@ class Newton:
         self.snes.setFunction(self._residual, self._r)
         self.snes.setJacobian(self._tangent, self.matrix)
         self.snes.setTolerances(max_it=iteration_limit)
+        self._viscosity: Viscosity | None = None
         self._options = options
-        with _options_in_force(options):
+        with _options_in_force(options), _option_errors(options):
             self.snes.setFromOptions()
 
     def destroy(self) -> None:
@@ -103,7 +144,7 @@ class Newton:
         self._apply_held()
         self.snes.setTolerances(atol=tolerance)
         self._x.array[:] = self.state.x.array[: self._x.local_size]
-        with _options_in_force(self._options):  # MUMPS reads its own when it first factorises
+        with self._in_force():  # MUMPS reads its own when it first factorises
             self.snes.solve(None, self._x)
         self._set_state(self._x)
         reason = self.snes.getConvergedReason()
@@ -129,9 +170,42 @@ class Newton:
         self._tangent(self.snes, self._x, self.matrix, self.matrix)
         solver = self.snes.getKSP()
         solver.setOperators(self.matrix)
-        with _options_in_force(self._options):
+        with self._in_force():
             solver.setUp()
         return solver.getPC()
+
+    @property
+    def factors(self) -> PETSc.PC:
+        """What holds the factors of the last tangent."""
+        return self.snes.getKSP().getPC()
+
+    @contextmanager
+    def slowed(self, mass: PETSc.Mat, k: float) -> Iterator[Viscosity]:
+        """Solve with a viscous force against leaving the present state meanwhile."""
+        self._viscosity = Viscosity(mass, k, self.vector())
+        try:
+            yield self._viscosity
+        finally:
+            self._viscosity.destroy()
+            self._viscosity = None
+
+    def vector(self) -> PETSc.Vec:
+        """Return a copy of the present state."""
+        copy = self._x.duplicate()
+        copy.array[:] = self.state.x.array[: copy.local_size]
+        return copy
+
+    def assembled(self, form: fem.Form) -> PETSc.Mat:
+        """Assemble a form on the same space; the rows and columns of held dofs are of unity."""
+        matrix = fem_petsc.create_matrix(form)
+        fem_petsc.assemble_matrix(matrix, form, self._held)
+        matrix.assemble()
+        return matrix
+
+    @contextmanager
+    def _in_force(self) -> Iterator[None]:
+        with _options_in_force(self._options), _option_errors(self._options):
+            yield
 
     def _apply_held(self) -> None:
         """Give the held dofs their values, so that no correction is due there."""
@@ -146,6 +220,8 @@ class Newton:
     def _residual(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
         self._set_state(x)
         self._assemble_residual(r)
+        if self._viscosity is not None:
+            r.axpy(1.0, self._viscosity.force(x))
 
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:
@@ -161,6 +237,9 @@ class Newton:
         P.zeroEntries()
         fem_petsc.assemble_matrix(P, self._tangent_form, self._held)
         P.assemble()
+        if self._viscosity is not None:
+            same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
+            P.axpy(self._viscosity.k, self._viscosity.mass, same)
 
 
 def _vector_of(state: fem.Function) -> PETSc.Vec:
@@ -188,6 +267,26 @@ def _options_in_force(text: str) -> Iterator[None]:
             database.delValue(name)
         for name, value in before.items():
             database.setValue(name, value)
+
+
+@contextmanager
+def _option_errors(text: str) -> Iterator[None]:
+    """Turn PETSc's complaint about an option's value into an error in one line.
+
+    Raises
+    ------
+    InputError
+        An option names a method that PETSc does not have.
+    """
+    try:
+        yield
+    except PETSc.Error as error:
+        if error.ierr not in _WRONG_OPTION:
+            raise
+        complaint = str(error).splitlines()[-1].split("] ")[-1]
+        raise InputError(
+            f"solver.petsc_options = {text!r}: expected options that this PETSc knows ({complaint})"
+        ) from error
 
 
 def _reason_name(reason: int) -> str:

@@ -25,6 +25,7 @@ from fenics_model.bilayer_solid import (
     LAYER_NAMES,
     BilayerSolid,
     bilayer_solid,
+    disturbance,
     held_nodes,
     held_points,
 )
@@ -32,19 +33,23 @@ from fenics_model.continuation import (
     Equilibrium,
     PathError,
     Tolerances,
-    equilibrate,
     follow,
     reference_residual,
 )
+from fenics_model.effort import Effort
+from fenics_model.effort_fields import effort_dataset
+from fenics_model.gradient_flow import GradientFlow
 from fenics_model.newton import Newton
 from fenics_model.settings import SolidSettings
 from fenics_model.shell_start import extrude_shape, placed, settle, starting_shape
-from fenics_model.stability import unstable_modes
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
 
 REFERENCE_STRETCH = (1.001, 1.001)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
+
+DISTURBANCE = 0.01
+"""Height by which an unstable milestone is disturbed, over the substrate's thickness."""
 
 
 def release(
@@ -58,13 +63,16 @@ def release(
 ) -> xr.Dataset:
     """Do what `fenics_model.solve` says."""
     comm = MPI.COMM_WORLD if comm is None else comm
-    planar: PlanarMesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen))
+    planar: PlanarMesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen, settings))
     body = bilayer_solid(specimen, planar, settings, comm)
     run = Release(specimen, planar, body, settings, progress if comm.rank == 0 else None)
     if start is not None:
         run.start_from(starting_shape(start, planar, specimen.prestretch.nominal[0]))
     stop_reason = run.follow()
-    states, positions, stop_reason = comm.bcast((run.states, run.positions, stop_reason))
+    states, positions, efforts, stop_reason = comm.bcast(
+        (run.states, run.positions, run.efforts, stop_reason)
+    )
+    milestones = len(body.path.milestones)
     return build_result(
         specimen,
         planar,
@@ -74,7 +82,9 @@ def release(
         settings=settings,
         versions=versions(),
         stop_reason=stop_reason,
-        extra=volume_dataset(body.solid.mesh.volume, positions, len(body.path.milestones)),
+        extra=volume_dataset(body.solid.mesh.volume, positions, milestones).merge(
+            effort_dataset(efforts, milestones)
+        ),
     )
 
 
@@ -100,6 +110,8 @@ class Release:
         Of the milestones so far.
     positions : list of (v, 3) array of float
         Vertices of the volume mesh at the milestones that were reached, m.
+    efforts : list of Effort
+        What each of `states` took.
     """
 
     def __init__(
@@ -123,12 +135,21 @@ class Release:
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
         )
+        radius, substrate = specimen.outer_radius, specimen.substrate
+        self._flow = GradientFlow(
+            self._newton,
+            solid,
+            first_viscosity=substrate.material.shear_modulus * substrate.thickness / radius**3,
+            step_limit=settings.flow_steps,
+            disturbance=disturbance(body, radius, DISTURBANCE * substrate.thickness),
+        )
         body.prestretch(REFERENCE_STRETCH)
         self._tolerances = Tolerances(
             settings.tolerance, settings.path_tolerance, reference_residual(self._newton)
         )
         self.states: list[MilestoneState] = []
         self.positions: list[NDArray[np.float64]] = []
+        self.efforts: list[Effort] = []
         self._tally = _Tally()
 
     def start_from(self, shape: NDArray[np.float64]) -> None:
@@ -144,15 +165,17 @@ class Release:
         first = self._body.path.milestones[0]
         self._body.load(first)
         extrude_shape(solid, self._mesh, placed(shape, self._mesh, held_nodes(self._mesh)))
-        least = self._tolerances.least_reference
-        tolerance = settings.path_tolerance * max(reference_residual(self._newton), least)
-        settled = settle(solid, self._absent, tolerance, settings.petsc_options)
-        outcome, relative = equilibrate(self._newton, values.copy(), settings.tolerance, least)
-        iterations = settled.iterations + outcome.iterations
-        if outcome.converged:
-            self._note(Equilibrium(first, 0, iterations, relative, outcome.correction))
+        reference = max(reference_residual(self._newton), self._tolerances.least_reference)
+        settled = settle(
+            solid, self._absent, settings.path_tolerance * reference, settings.petsc_options
+        )
+        outcome = self._newton.solve(settings.tolerance * reference)
+        effort = Effort(settled.iterations + outcome.iterations)
+        modes = self._flow.unstable_modes() if outcome.converged else UNKNOWN_STABILITY
+        if outcome.converged and modes <= 0:
+            self._note(Equilibrium(first, 0, effort, outcome.residual / reference, modes))
         else:
-            self._tally.iterations += iterations
+            self._tally.effort += effort
             values[:] = 0.0
 
     def follow(self) -> str:
@@ -166,7 +189,13 @@ class Release:
         )
         begin = path.milestones[len(self.states) - 1] if self.states else 0.0
         equilibria = follow(
-            self._newton, self._body.load, path.milestones, control, self._tolerances, begin
+            self._newton,
+            self._flow,
+            self._body.load,
+            path.milestones,
+            control,
+            self._tolerances,
+            begin,
         )
         try:
             for equilibrium in equilibria:
@@ -189,14 +218,16 @@ class Release:
                 converged=True,
                 reached=self._nominal[equilibrium.milestone],
                 residual=equilibrium.residual,
-                unstable=unstable_modes(self._newton, solid.number_of_pressures),
+                unstable=equilibrium.unstable_modes,
             )
         )
+        self.efforts.append(self._tally.effort)
         self._tally = _Tally()
 
     def _note_failure(self, stopped: PathError) -> str:
         """Keep the last equilibrium as the state of the milestone that was not reached."""
-        self._tally.iterations += stopped.iterations
+        self._tally.effort += stopped.effort
+        self.efforts.append(self._tally.effort)
         reached = max(self._body.path.stretch(stopped.parameter))
         self.states.append(
             self._state(
@@ -217,7 +248,7 @@ class Release:
             converged,
             reached,
             energy={name: solid.layer_energy(layer) for layer, name in enumerate(names)},
-            iterations=self._tally.iterations,
+            iterations=self._tally.effort.iterations,
             load_steps=self._tally.load_steps,
             residual=residual,
             wall_time=time.perf_counter() - self._tally.since,
@@ -234,12 +265,12 @@ class Release:
 class _Tally:
     """What was spent since the last milestone."""
 
-    iterations: int = 0
+    effort: Effort = field(default_factory=Effort)
     load_steps: int = 0
     since: float = field(default_factory=time.perf_counter)
 
     def add(self, equilibrium: Equilibrium) -> None:
-        self.iterations += equilibrium.iterations
+        self.effort += equilibrium.effort
         self.load_steps += 1
 
 
@@ -257,8 +288,9 @@ def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:
     return made
 
 
-def _checked_mesh(specimen: Specimen) -> PlanarMesh:
-    check_memory(specimen, BYTES_PER_TRIANGLE, "the finite-element model")
+def _checked_mesh(specimen: Specimen, settings: SolidSettings) -> PlanarMesh:
+    elements = settings.substrate_elements + settings.kirigami_elements
+    check_memory(specimen, BYTES_PER_TRIANGLE * elements / 2, "the finite-element model")
     return generate_mesh(specimen)
 
 

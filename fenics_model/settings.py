@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from bilayer.errors import InputError
 from bilayer.settings import documented
 from bilayer.validation import finite, positive, whole
 
@@ -28,6 +29,11 @@ class SolidSettings:
         6, "Newton iterations that a load step should take; its size grows or shrinks toward this"
     )
     iteration_limit: int = documented(12, "Newton iterations after which a load step has failed")
+    flow_steps: int = documented(
+        100,
+        "time steps of the viscous flow to a stable equilibrium, where load steps fail or a "
+        "milestone is unstable, after which it is given up; 0: no such flow",
+    )
     tolerance: float = documented(
         1e-10, "residual at a milestone, relative to the flat state's [1]"
     )
@@ -47,6 +53,13 @@ class SolidSettings:
         for name in ("substrate_elements", "kirigami_elements", "quadrature_degree",
                      "target_iterations", "iteration_limit"):  # fmt: skip
             whole(f"solver.{name}", getattr(self, name), at_least=1)
+        whole("solver.flow_steps", self.flow_steps, at_least=0)
         for name in ("first_step", "smallest_step", "largest_step", "tolerance", "path_tolerance"):
             positive(f"solver.{name}", getattr(self, name))
         finite("solver.imperfection", self.imperfection)
+        for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
+            if getattr(self, smaller) > getattr(self, larger):
+                raise InputError(
+                    f"solver.{smaller} = {getattr(self, smaller)!r}: expected at most "
+                    f"solver.{larger} = {getattr(self, larger)!r}"
+                )

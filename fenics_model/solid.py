@@ -113,6 +113,11 @@ class Solid:
         ]
         return sum(self._stored()) - sum(loads)
 
+    def mass(self) -> fem.Form:
+        """Return the form of the displacements' mass matrix at unit density, m3."""
+        u, v = (ufl.split(f(self.space))[0] for f in (ufl.TrialFunction, ufl.TestFunction))
+        return self._form(ufl.inner(u, v) * self.dx)
+
     @staticmethod
     def _form(integral: Any) -> fem.Form:
         return fem.form(integral, jit_options=JIT_OPTIONS)

@@ -27,12 +27,16 @@ def unstable_modes(newton: Newton, number_of_pressures: int) -> int:
     int
         -1 where the user's options chose another factorisation, which does not tell.
     """
-    preconditioner = newton.factorise()
+    return unstable_modes_of(newton.factorise(), number_of_pressures)
+
+
+def unstable_modes_of(factors: PETSc.PC, number_of_pressures: int) -> int:
+    """Count the unstable modes that a factorisation made earlier shows; see `unstable_modes`."""
     tells = (
-        preconditioner.getType() == PETSc.PC.Type.CHOLESKY
-        and preconditioner.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS
+        factors.getType() == PETSc.PC.Type.CHOLESKY
+        and factors.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS
     )
     if not tells:
         return UNKNOWN_STABILITY
-    factor = preconditioner.getFactorMatrix()
+    factor = factors.getFactorMatrix()
     return int(factor.getMumpsInfog(_NEGATIVE_PIVOTS)) - number_of_pressures

@@ -18,12 +18,15 @@ class StepControl:
         Its bounds.
     target_iterations : int
         Iterations that a step should take.
+    failures : int
+        Failed steps since the last converged one.
     """
 
     size: float
     smallest: float
     largest: float
     target_iterations: int
+    failures: int = 0
 
     def after_success(self, iterations: int) -> "StepControl":
         """Return the control after a converged step: size times sqrt(target / iterations).
@@ -31,11 +34,12 @@ class StepControl:
         One step changes the size by a factor of 1/2 to 2 at most.
         """
         factor = min(2.0, max(0.5, sqrt(self.target_iterations / max(iterations, 1))))
-        return replace(self, size=min(self.largest, max(self.smallest, factor * self.size)))
+        size = min(self.largest, max(self.smallest, factor * self.size))
+        return replace(self, size=size, failures=0)
 
     def after_failure(self, attempted: float) -> "StepControl":
         """Return the control after a failed step of the size `attempted`: half of that."""
-        return replace(self, size=attempted / 2)
+        return replace(self, size=attempted / 2, failures=self.failures + 1)
 
     @property
     def is_exhausted(self) -> bool:

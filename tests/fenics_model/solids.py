@@ -4,8 +4,10 @@ import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
+from ufl.algorithms.analysis import extract_constants
 
 from bilayer.planar_mesh import PlanarMesh
+from fenics_model.gradient_flow import GradientFlow
 from fenics_model.layered_mesh import LayeredMesh
 from fenics_model.newton import Newton
 from fenics_model.solid import Solid, SolidLayer
@@ -45,6 +47,13 @@ def solid_of(volume, materials, comm=MPI.COMM_WORLD, body_force=0.0):
     return Solid(mesh, layers, pressure_scale=materials[0].shear_modulus / 1e-3)
 
 
+def push(solid, force):
+    """Set the dead force along z, N/m3, of every layer."""
+    for layer in solid.layers:
+        (constant,) = extract_constants(layer.body_force)
+        constant.value = force
+
+
 def held_where(solid, axis, where, value=0.0):
     """Hold a displacement component at every dof that lies where `where(x)` is true."""
     space = solid.component(axis)
@@ -56,6 +65,15 @@ def held_where(solid, axis, where, value=0.0):
 def newton_of(solid, held, **options):
     return Newton(
         solid.residual, solid.tangent, solid.state, [*solid.absent_pressures(), *held], **options
+    )
+
+
+def flow_of(solid, newton, disturbance=None, step_limit=100):
+    """A flow whose first viscosity suits bodies of millimetres."""
+    if disturbance is None:
+        disturbance = np.zeros_like(solid.state.x.array)
+    return GradientFlow(
+        newton, solid, first_viscosity=1e9, step_limit=step_limit, disturbance=disturbance
     )
 
 

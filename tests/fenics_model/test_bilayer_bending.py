@@ -45,7 +45,7 @@ def test_the_exact_solution_is_the_published_one():
 
 def test_a_strip_bends_as_the_exact_solution():
     pytest.importorskip("dolfinx")
-    from solids import held_where, newton_of, rectangle, solid_of, stacked
+    from solids import flow_of, held_where, newton_of, rectangle, solid_of, stacked
 
     from fenics_model.bilayer_solid import natural_state
     from fenics_model.continuation import Tolerances, follow
@@ -68,7 +68,9 @@ def test_a_strip_bends_as_the_exact_solution():
         solid.layers[0].natural.value = natural_state(path.stretch(parameter), "natural")
 
     control = StepControl(0.002, 1e-4, 0.02, 6)
-    for _ in follow(newton, load, path.milestones, control, Tolerances(1e-10, 1e-4, 0.0)):
+    tolerances = Tolerances(1e-10, 1e-4, 0.0)
+    flow = flow_of(solid, newton)
+    for _ in follow(newton, flow, load, path.milestones, control, tolerances):
         pass
     newton.destroy()
     centre_line = (volume.points + solid.vertex_displacements())[volume.interface[:41]][:, [0, 2]]
