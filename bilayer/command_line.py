@@ -218,7 +218,7 @@ def _solve(options: argparse.Namespace) -> int:
     return _status_of(result, settings, told=first)
 
 
-def _milestone(word: str) -> float | tuple[float, ...]:
+def _milestone(word: str) -> Any:
     """Read L or LX,LY."""
     try:
         numbers = tuple(float(part) for part in word.split(","))

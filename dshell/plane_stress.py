@@ -161,7 +161,7 @@ class PlaneLinear:
 
     def stress(self, strain: Array, prestretch: Array) -> Array:
         """See `PlaneStressLaw`."""
-        return np.tensordot(self._stiffness(), self._total(strain, prestretch), axes=1)
+        return np.einsum("ij,j...->i...", self._stiffness(), self._total(strain, prestretch))
 
     def tangent(self, strain: Array, prestretch: Array) -> Array:
         """See `PlaneStressLaw`."""
