@@ -206,7 +206,7 @@ class StaticRelease:
         """Settle at a prestretch; return the outcome as it is where that fails."""
         body = self._body(stretch)
         scale = self._force_scale(body, stretch)
-        tolerance = max(self._settings.tolerance * scale, self._round_off)
+        tolerance = self._settings.tolerance * scale
         limits = NewtonLimits(tolerance, self._settings.max_iterations, self._longest_step)
         outcome = self._counted(self._ramp(here.stretch, body, stretch), here.state, limits)
         for _ in range(ESCAPES):
@@ -217,7 +217,7 @@ class StaticRelease:
         self._load_steps += 1
         if not outcome.converged:
             return outcome
-        return Equilibrium(stretch, outcome.state, outcome.residual / scale if scale else 0.0)
+        return Equilibrium(stretch, outcome.state, outcome.residual / scale)
 
     def _ramp(self, start: Stretch, body: Body, end: Stretch) -> list[Body]:
         """Return the shell on its way to a prestretch, one body per iteration, and at its end."""
@@ -232,9 +232,14 @@ class StaticRelease:
         return outcome
 
     def _force_scale(self, body: Body, stretch: Stretch) -> float:
-        """Return what the tolerance is relative to: the forces on the flat state, N."""
+        """Return what the tolerance is relative to, N: the forces on the flat state.
+
+        It is at least so large that the tolerance is not below round-off, as it would be without
+        prestretch.
+        """
         flat = self._solver.residual(Body(body.energies, 0 * body.load), self.flat(stretch).state)
-        return float(np.linalg.norm(flat) + np.linalg.norm(body.load))
+        forces = float(np.linalg.norm(flat) + np.linalg.norm(body.load))
+        return max(forces, self._round_off / self._settings.tolerance)
 
 
 def release_static(
