@@ -55,6 +55,19 @@ def test_settings_name_what_is_wrong():
         SolidSettings(substrate_elements=0)
     with pytest.raises(InputError, match=r"solver\.tolerance = -1"):
         SolidSettings(tolerance=-1.0)
+    with pytest.raises(InputError, match=r"solver\.smallest_step = 0\.002.*solver\.first_step"):
+        SolidSettings(smallest_step=0.002)
+    with pytest.raises(InputError, match=r"solver\.first_step = 0\.1.*solver\.largest_step"):
+        SolidSettings(first_step=0.1)
+
+
+@needs_dolfinx
+@pytest.mark.parametrize("option", ["ksp_type", "pc_factor_mat_solver_type"])
+def test_an_option_that_petsc_does_not_know_is_an_error_in_one_line(mesh, option):
+    settings = SolidSettings(petsc_options=f"-bilayer_{option} nosuch")
+    with pytest.raises(InputError, match=rf"solver\.petsc_options = .*{option}") as raised:
+        solve(COARSE.with_milestones([1.01]), settings, mesh=mesh)
+    assert len(str(raised.value).splitlines()) == 1
 
 
 @needs_dolfinx
@@ -67,6 +80,8 @@ def test_the_dataset_is_whole(released, mesh, tmp_path):
     assert "dolfinx" in result.attrs["versions"]
     assert result["converged"].values.tolist() == [1, 1]
     assert result["unstable_modes"].values.tolist() == [0, 0]
+    for name in ("stabilised_steps", "dissipated_energy", "escapes"):
+        assert result[name].values.tolist() == [0, 0]  # nothing snaps here
     assert np.all(result["residual"] < 1e-10)
     assert np.all(
         result["energy"].sel(term=b"substrate" if result["term"].dtype.kind == "S" else "substrate")
@@ -194,6 +209,35 @@ def test_the_held_points_carry_the_weight(mesh, thickness):
     natural = substrate / 1.2**2 if thickness == "natural" else substrate
     mass = 960.0 * 1e-3 * (natural + kirigami)
     assert residual[upward].sum() == pytest.approx(mass * 9.81, rel=1e-9)
+
+
+@needs_dolfinx
+def test_the_weight_alone_bends_the_disc_down_onto_a_stable_shape(mesh):
+    """At g q R^3 / D is about 10: the disc hangs from its centre."""
+    hanging = solve(
+        replace(COARSE, gravity=9.81).with_milestones([1.0]),
+        SolidSettings(tolerance=1e-8),
+        mesh=mesh,
+    )
+    assert hanging["converged"].values.tolist() == [1]
+    assert hanging["unstable_modes"].values.tolist() == [0]
+    assert hanging["position"].values[0, :, 2].mean() < -5e-3
+
+
+@needs_dolfinx
+def test_a_load_step_too_long_for_newton_is_taken_by_the_flow_and_says_so(released, mesh):
+    """Inverted elements (not a number) are failed attempts, and the shape is the same."""
+    at_once = SolidSettings(first_step=0.04, smallest_step=0.04, largest_step=0.05)
+    specimen = COARSE.with_milestones([1.04])
+    stopped = solve(specimen, replace(at_once, flow_steps=0), mesh=mesh)
+    assert stopped["converged"].values.tolist() == [0]
+    assert "no convergence" in stopped.attrs["stop_reason"]
+    flowed = solve(specimen, at_once, mesh=mesh)
+    assert flowed["converged"].values.tolist() == [1]
+    assert flowed["unstable_modes"].values.tolist() == [0]
+    assert flowed["stabilised_steps"].values[0] > 0
+    assert flowed["dissipated_energy"].values[0] > 0
+    assert flowed["position"].values[0] == pytest.approx(released["position"].values[1], abs=1e-9)
 
 
 @needs_dolfinx
