@@ -1,8 +1,12 @@
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from bilayer import MeshSize, PlanarMesh, Specimen, generate_mesh, paper_specimen
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))  # the package `verification`
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import shell_cases as cases
+from verification import bilayers
 
 from bilayer import PlanarMesh, solve
 from bilayer.mesh_generation import generate_mesh
@@ -32,18 +32,18 @@ def equilateral(rows=12):
 
 def timoshenko(mismatch):
     """Curvature of two layers of one Poisson's ratio by Timoshenko (1925), 1/m."""
-    n = cases.SUBSTRATE.material.young_modulus / cases.KIRIGAMI.material.young_modulus
+    n = bilayers.SUBSTRATE.material.young_modulus / bilayers.KIRIGAMI.material.young_modulus
     return 6 * mismatch * 4 / (2e-3 * (12 + (1 + n) * (1 + 1 / n)))
 
 
 def test_section_has_timoshenkos_curvature():
     tiny = 1e-7
-    _, bilayer = specimen_sections(cases.ladder_disc(), (1 + tiny, 1 + tiny))
+    _, bilayer = specimen_sections(bilayers.ladder_disc(), (1 + tiny, 1 + tiny))
     assert bilayer.curvature == pytest.approx(timoshenko(tiny), rel=1e-5)
 
 
 def test_bare_substrate_shrinks_and_stays_flat():
-    bare, _ = specimen_sections(cases.ladder_disc(), (1.1, 1.2))
+    bare, _ = specimen_sections(bilayers.ladder_disc(), (1.1, 1.2))
     assert bare.strain == pytest.approx([1 / 1.1 - 1, 1 / 1.2 - 1])
     assert bare.curvature == pytest.approx([0, 0], abs=1e-12)
     assert bare.neutral_axis == pytest.approx(-1e-3 / 1.1 / 1.2 / 2)
@@ -52,7 +52,7 @@ def test_bare_substrate_shrinks_and_stays_flat():
 def test_equilateral_lattice_has_the_closed_forms():
     """k_s = sqrt(3)/2 A a^2, k_b = 2/sqrt(3) D, theta = a (3 k_nn - k_tt) / (2 sqrt(3))."""
     mesh = equilateral()
-    bare, bilayer = specimen_sections(cases.ladder_disc(), (1.03, 1.01))
+    bare, bilayer = specimen_sections(bilayers.ladder_disc(), (1.03, 1.01))
     springs, hinges = laminate_springs_and_hinges(mesh, bare, bilayer)
     inner = Topology.of(mesh.triangles).hinge_edges
     assert springs.stiffness[inner] == pytest.approx(np.sqrt(3) / 2 * bilayer.stretching * EDGE**2)
@@ -71,7 +71,7 @@ def test_circumcentres_of_equilateral_triangles():
 
 def released_curvature(mesh, stretch=1.0005):
     """2 x the least-squares coefficient of the released height over the radius, over laminate's."""
-    specimen = cases.ladder_disc().with_milestones([stretch])
+    specimen = bilayers.ladder_disc().with_milestones([stretch])
     result = solve(specimen, "dshell", HingeSettings(), mesh=mesh)
     x, y, z = result.position.values[0].T
     fit, *_ = np.linalg.lstsq(np.column_stack([np.ones_like(x), x, y, x**2 + y**2]), z, rcond=None)
@@ -80,7 +80,7 @@ def released_curvature(mesh, stretch=1.0005):
 
 @pytest.mark.parametrize("size", [0.008, 0.004])
 def test_uniform_disc_has_the_laminates_curvature_whatever_the_mesh(size):
-    mesh = generate_mesh(cases.ladder_disc(size=size))
+    mesh = generate_mesh(bilayers.ladder_disc(size=size))
     assert released_curvature(mesh) == pytest.approx(1.0, abs=0.02)
 
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from finite_differences import derivative
 from scipy.spatial.transform import Rotation
+from verification.derivatives import derivative
 
 from bilayer import paper_specimen
 from dshell.assembly import Assembly

@@ -1,0 +1,181 @@
+"""Bilayers of the ladder: discs, cut discs and strips released by a prestretch. SI units.
+
+Scaled as in the von Karman solution of the uncut disc: curvature k R^2 / 4h and mismatch
+S = k0 R^2 / 4h, with h = sqrt(12 (1 - nu^2) D / A) and laminate theory's k0.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bilayer import (
+    CutPattern,
+    Layer,
+    MeshSize,
+    MooneyRivlin,
+    PlanarMesh,
+    Prestretch,
+    Specimen,
+    solve,
+)
+from bilayer.errors import ComputationError
+from bilayer.mesh_generation import generate_mesh
+from dshell import MorleySettings
+from dshell.hinge_rest_state import specimen_sections
+from dshell.morley import MorleyFaces
+from dshell.morley_model import specimen_layers
+from dshell.rigid_motion import held_coordinates
+from verification.meshes import rectangle
+from verification.shell_problem import Problem, nodes_of, plate
+
+SUBSTRATE = Layer(1e-3, MooneyRivlin(4839.1, 14_536.0))
+KIRIGAMI = Layer(1e-3, MooneyRivlin(30_749.0, 30_749.0))
+RADIUS = 0.04
+CENTRE = 0.006  # radius within which curvature counts as the centre's
+
+
+def ladder_disc(cut: CutPattern | None = None, size: float = 0.004) -> Specimen:
+    """The verification ladder's specimen: incompressible layers of 1 mm, R = 40 mm."""
+    return Specimen(RADIUS, SUBSTRATE, KIRIGAMI, Prestretch((1.01,)), cut, MeshSize(size))
+
+
+def bilayer_faces(specimen: Specimen, mesh: PlanarMesh, stretch, profile=None):
+    """Faces of a specimen's layers and their flat state."""
+    return plate(mesh, specimen_layers(specimen, mesh, stretch), profile)
+
+
+def small_mismatch_curvature(mesh: PlanarMesh, stretch: float = 1.00003) -> np.ndarray:
+    """Curvature of each face of a uniform bilayer, xx and yy, over laminate theory's."""
+    specimen = ladder_disc()
+    faces, flat = bilayer_faces(specimen, mesh, (stretch, stretch))
+    state = Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat))).solved(1e-8)
+    expected = specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
+    return faces.strains(state[faces.dofs])[3:5] / expected
+
+
+@dataclass
+class Cap:
+    """A released uncut disc in the scaled curvatures of the von Karman solution."""
+
+    sag: float
+    centre: float
+
+
+def scaled_cap(mismatch: float, size: float = 0.004) -> Cap:
+    """The ladder's uncut disc at a mismatch S below the loss of its symmetry."""
+    mesh = generate_mesh(ladder_disc(size=size))
+    faces, state = _released(mesh, mismatch)
+    nodes = nodes_of(state, mesh)
+    nodes = nodes - nodes[mesh.centre_node]
+    normal = _rim_normal(nodes, mesh)
+    sag = np.abs((nodes @ normal)[mesh.rim_nodes]).mean()
+    curvature = _centre_curvatures(faces, state, mesh).mean()
+    return Cap(2 * sag / RADIUS**2 * _scale(), curvature * _scale())
+
+
+def loss_of_symmetry(mismatches: Sequence[float]) -> float:
+    """The mismatch S at which the uncut disc's cap becomes unstable.
+
+    The least stiffness of the cap falls to 0 there: a parabola through it at mismatches before.
+    (At S_c the shell resists nothing, and beyond it can roll up about any axis.)
+    """
+    mesh = generate_mesh(ladder_disc())
+    stiffness = [_least_stiffness(mesh, mismatch) for mismatch in mismatches]
+    zeros = np.roots(np.polyfit(mismatches, stiffness, 2))
+    beyond = [zero.real for zero in zeros if np.isreal(zero) and zero.real > max(mismatches)]
+    if not beyond:
+        raise ComputationError("the least stiffness of the cap does not fall to 0")
+    return float(min(beyond))
+
+
+def span_ratio(mismatch: float) -> float:
+    """The larger over the smaller horizontal span of the uncut disc's stable shape at S."""
+    specimen = ladder_disc().with_milestones([stretch_of(mismatch)])
+    result = solve(specimen, "dshell", MorleySettings())
+    if not result.converged.values.all() or result.unstable_modes.values.any():
+        raise ComputationError(f"no stable shape at S = {mismatch:.4f}")
+    x, y, _ = result.span.values[0]
+    return float(max(x, y) / min(x, y))
+
+
+def rolled_curvature(mismatch: float, size: float = 0.004) -> float:
+    """The larger principal curvature at the centre of the uncut disc at S, over k0."""
+    mesh = generate_mesh(ladder_disc(size=size))
+    faces, state = _released(mesh, mismatch)
+    return float(_centre_curvatures(faces, state, mesh).max() * _scale() / mismatch)
+
+
+def stretch_of(mismatch: float) -> float:
+    """The prestretch at which the ladder's uncut disc has S = mismatch, by bisection."""
+    low, high = 1.0, 1.2
+    scale = _scale()
+    for _ in range(60):
+        middle = (low + high) / 2
+        curvature = specimen_sections(ladder_disc(), (middle, middle))[1].curvature[0]
+        low, high = (middle, high) if scale * curvature < mismatch else (low, middle)
+    return low
+
+
+def _scale() -> float:
+    """R^2 / 4h, m."""
+    section = specimen_sections(ladder_disc(), (1.0, 1.0))[1]
+    return float(RADIUS**2 / 4 / np.sqrt(12 * 0.75 * section.bending / section.stretching))
+
+
+def _uncut(mesh: PlanarMesh, mismatch: float) -> Problem:
+    stretch = stretch_of(mismatch)
+    faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, stretch))
+    return Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat)))
+
+
+def _released(mesh: PlanarMesh, mismatch: float) -> tuple[MorleyFaces, np.ndarray]:
+    """Faces and stable state of the uncut disc at S."""
+    problem = _uncut(mesh, mismatch)
+    # a round disc rolls up about any axis alike, so this can take many iterations
+    state = problem.solved(longest_step=RADIUS / 4, iterations=200)
+    if problem.unstable_modes(state):
+        raise ComputationError(f"the shape at S = {mismatch:.4f} is not stable")
+    return problem.faces, state
+
+
+def _least_stiffness(mesh: PlanarMesh, mismatch: float) -> float:
+    """Eigenvalue nearest to 0 of the Hessian of the uncut disc at S, N/m."""
+    problem = _uncut(mesh, mismatch)
+    return problem.least_stiffness(problem.solved(longest_step=RADIUS / 4))
+
+
+def _centre_curvatures(faces, state, mesh: PlanarMesh) -> np.ndarray:
+    """The two principal curvatures at the centre, ascending, 1/m."""
+    near = np.linalg.norm(mesh.points[mesh.triangles].mean(axis=1), axis=1) < CENTRE
+    xx, yy, twice_xy = faces.strains(state[faces.dofs])[3:, near].mean(axis=1)
+    return np.linalg.eigvalsh([[xx, twice_xy / 2], [twice_xy / 2, yy]])
+
+
+def _rim_normal(nodes, mesh):
+    rim = nodes[mesh.rim_nodes]
+    return np.linalg.svd(rim - rim.mean(axis=0))[2][2]
+
+
+def timoshenko_strip(stretch: float, cells: int = 80) -> float:
+    """Curvature of a strip of 80 x 6 mm in its middle third, prestretched along its length, 1/m."""
+    mesh = rectangle(np.linspace(-0.04, 0.04, cells + 1), np.linspace(-0.003, 0.003, 7))
+    faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, 1.0))
+    state = Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat))).solved()
+    middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.04 / 3
+    areas = mesh.areas[middle]
+    return float(faces.strains(state[faces.dofs])[3, middle] @ areas / areas.sum())
+
+
+def petal_radii(specimen: Specimen, mesh: PlanarMesh, shape) -> np.ndarray:
+    """Distance of the rim from the axis in the middle of each strip, m."""
+    angle = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
+    strips = specimen.cut.strips
+    rim = mesh.rim_nodes
+    radii = np.linalg.norm(shape[:, :2] - shape[mesh.centre_node, :2], axis=1)
+    places = []
+    for k in range(strips):
+        off = np.angle(np.exp(1j * (angle[rim] - 2 * np.pi * k / strips)))
+        order = np.argsort(off)
+        places.append(np.interp(0.0, off[order], radii[rim][order]))
+    return np.array(places)

@@ -1,0 +1,110 @@
+"""Slender clamped shells that bend far: strips and the slit ring. SI units, or consistent ones."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer import LinearElastic
+from dshell.assembly import coordinates_of
+from dshell.plane_stress import plane_stress_law
+from dshell.through_thickness import ShellLayer
+from verification.meshes import rectangle, slit_ring
+from verification.shell_problem import (
+    Problem,
+    clamp_layer,
+    line_load,
+    nodes_of,
+    plate,
+    pressure,
+    single_layer,
+)
+
+Array = NDArray[np.float64]
+
+
+class Strip:
+    """A strip along x without Poisson's effect, clamped at x = 0."""
+
+    def __init__(self, length, width, thickness, young, cells=40) -> None:
+        self.length, self.width, self.thickness, self.young = length, width, thickness, young
+        step = length / cells
+        self.mesh = rectangle(
+            np.arange(-1, cells + 1) * step, np.linspace(-width / 2, width / 2, 3)
+        )
+        self.tip = np.flatnonzero(self.mesh.points[:, 0] > length - step / 2)
+        self._fixed = np.flatnonzero(self.mesh.points[:, 0] < step / 2)
+        self._clamp = clamp_layer(self.mesh, self._fixed, young, thickness)
+
+    def problem(self, layers: Sequence[ShellLayer]) -> Problem:
+        """The strip of some layers, without a load."""
+        faces, flat = plate(self.mesh, [*layers, self._clamp])
+        return Problem(faces, flat, coordinates_of(self._fixed).reshape(-1), np.zeros(len(flat)))
+
+    def middle(self, state: Array) -> Array:
+        """The mid-line's points from clamp to tip, (cells + 1, 3)."""
+        on_line = np.abs(self.mesh.points[:, 1]) < self.width / 8
+        return nodes_of(state, self.mesh)[on_line][1:]
+
+
+def heavy_strip(weight: float, cells: int = 40) -> float:
+    """Drop of the tip over the length of a strip whose q L^3 / E I is the weight."""
+    length, thickness, young = 0.1, 1e-3, 1e6
+    strip = Strip(length, 0.01, thickness, young, cells)
+    problem = strip.problem([single_layer(young, 0.0, thickness)])
+    load_per_area = weight * young * thickness**3 / 12 / length**3
+    problem.load = pressure(strip.mesh, len(problem.flat), -load_per_area)
+    line = strip.middle(problem.solved(1e-7, length / 4))
+    return float(line[0, 2] - line[-1, 2]) / length
+
+
+def rolled_strip(turn: float, steps: int = 6) -> Array:
+    """The tip (x, y, -z) over the length of a strip of like layers that bends by an angle.
+
+    The lower layer is stretched along the strip by m, so the natural curvature is 3/2 m / t, as an
+    end moment of E I times that would give it.
+    """
+    length, thickness, young = 0.1, 1e-3, 1e6
+    strip = Strip(length, 0.01, thickness, young)
+    law = plane_stress_law(LinearElastic(young, 0.0))
+    upper = ShellLayer("upper", law, 0.0, thickness / 2, np.eye(2))
+    state = None
+    for mismatch in turn / length * thickness / 1.5 * np.arange(1, steps + 1) / steps:
+        stretch = np.diag([1 + mismatch, 1.0])
+        lower = ShellLayer("lower", law, -thickness / 2, 0.0, stretch)
+        state = strip.problem([lower, upper]).solved(1e-7, length / 4, state)
+    line = strip.middle(state)
+    return line[-1] * [1, 1, -1] / np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+
+
+def sheared_strip(shares: Sequence[float], cells: int = 40) -> Iterator[Array]:
+    """Displacement of the tip at shares of an end shear of 4 (Sze, Liu, Lo 2004, section 3.1)."""
+    length, width, thickness, young, force = 10.0, 1.0, 0.1, 1.2e6, 4.0
+    strip = Strip(length, width, thickness, young, cells)
+    problem = strip.problem([single_layer(young, 0.0, thickness)])
+    full = line_load(strip.mesh, len(problem.flat), strip.tip, force / width)
+    state = None
+    for share in shares:
+        problem.load = share * full
+        state = problem.solved(1e-7, length / 4, state)
+        yield strip.middle(state)[-1] - [length, 0.0, 0.0]
+
+
+def lifted_ring(radial: int) -> tuple[float, float]:
+    """Rise of the inner and the outer end of the free lip (Sze, Liu, Lo 2004, section 3.3).
+
+    `radial` triangles' sides across the ring, ten times as many around it. The load comes at once:
+    the ring is so thin that Newton's method needs about 200 iterations, in smaller steps more.
+    """
+    inner, outer, thickness, young, load_per_length = 6.0, 10.0, 0.03, 21e6, 0.8
+    around = 10 * radial
+    angles = 2 * np.pi / around * np.arange(-1, around + 1)  # the first row is the clamp
+    mesh = slit_ring(inner, outer, radial, angles)
+    row = np.arange(radial + 1)
+    fixed, lip = np.concatenate([row, row + radial + 1]), row + (around + 1) * (radial + 1)
+    layers = [single_layer(young, 0.0, thickness), clamp_layer(mesh, fixed, young, thickness)]
+    faces, flat = plate(mesh, layers)
+    load = line_load(mesh, len(flat), lip, load_per_length)
+    problem = Problem(faces, flat, coordinates_of(fixed).reshape(-1), load)
+    rise = nodes_of(problem.solved(1e-6, inner / 6, iterations=300), mesh)[lip, 2]
+    return float(rise[0]), float(rise[-1])

@@ -1,0 +1,63 @@
+"""Energies of the shells against finite differences, and under rigid motion."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from bilayer import PlanarMesh
+from dshell.assembly import Energy
+
+Array = NDArray[np.float64]
+ROUGHNESS = 3e-4  # m
+STEP = 1e-6  # m
+
+
+def derivative(function: Callable[[Array], Array], values: Array, step: float) -> Array:
+    """Derivative of a function of values (n, ...), each element's own, in a last axis.
+
+    Central differences of fourth order.
+    """
+    columns = []
+    for index in np.ndindex(values.shape[1:]):
+        shift = np.zeros(values.shape[1:])
+        shift[index] = step
+        near = function(values + shift) - function(values - shift)
+        far = function(values + 2 * shift) - function(values - 2 * shift)
+        columns.append((8 * near - far) / (12 * step))
+    return np.stack(columns, axis=-1)
+
+
+def rough_dome(mesh: PlanarMesh, extra_dofs: int) -> Array:
+    """A state far from equilibrium: a dome with every degree of freedom disturbed."""
+    rng = np.random.default_rng(1)
+    x, y = mesh.points.T
+    dome = np.column_stack([0.95 * x, 0.97 * y, -10.0 * (x**2 + y**2)])
+    dome += rng.uniform(-ROUGHNESS, ROUGHNESS, dome.shape)
+    rest = rng.uniform(-ROUGHNESS, ROUGHNESS, extra_dofs)
+    return np.concatenate([dome.reshape(-1), rest])
+
+
+def gradient_error(term: Energy, state: Array) -> float:
+    """Largest difference of the gradient from finite differences, over its largest entry."""
+    values = state[term.dofs]
+    found = term.gradient(values)
+    expected = derivative(term.energy, values, STEP).reshape(found.shape)
+    return float(np.abs(found - expected).max() / np.abs(found).max())
+
+
+def hessian_error(term: Energy, state: Array) -> float:
+    """Largest difference of the Hessian from finite differences, over its largest entry."""
+    values = state[term.dofs]
+    found = term.hessian(values)
+    expected = derivative(term.gradient, values, STEP).reshape(found.shape)
+    return float(np.abs(found - expected).max() / np.abs(found).max())
+
+
+def rigid_motion_error(term: Energy, state: Array, nodes: int) -> float:
+    """Largest change of an element's energy by a rigid motion, over the largest energy."""
+    turned = Rotation.from_rotvec([0.7, -1.9, 0.4]).apply(state[: 3 * nodes].reshape(-1, 3))
+    moved = np.concatenate([np.add(turned, [3e-3, -2e-3, 1e-3]).reshape(-1), state[3 * nodes :]])
+    before, after = term.energy(state[term.dofs]), term.energy(moved[term.dofs])
+    return float(np.abs(after - before).max() / np.abs(before).max())

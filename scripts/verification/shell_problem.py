@@ -1,0 +1,115 @@
+"""A Morley shell of any layers on any mesh, under dead loads, some coordinates held.
+
+A clamp is a row of faces beside the clamped edge, stiff and held: the shell's own unknowns then
+keep the slope there, and nothing in it knows of clamps. SI units.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.linalg import eigsh
+
+from bilayer import LinearElastic, PlanarMesh
+from bilayer.errors import ComputationError
+from dshell.assembly import Assembly
+from dshell.linear_solver import best_linear_solver
+from dshell.morley import MorleyFaces
+from dshell.newton import Body, EquilibriumSolver, NewtonLimits
+from dshell.plane_stress import plane_stress_law
+from dshell.through_thickness import Laminate, LinearProfile, ShellLayer
+
+Array = NDArray[np.float64]
+CLAMP_STIFFNESS = 1e3
+"""Young's modulus of a clamp over that of what it clamps."""
+
+
+@dataclass
+class Problem:
+    """A shell under loads, some of its degrees of freedom held."""
+
+    faces: MorleyFaces
+    flat: Array
+    held: NDArray[np.int64]
+    load: Array
+
+    def solved(
+        self,
+        tolerance: float = 1e-9,
+        longest_step: float = 1.0,
+        start: Array | None = None,
+        iterations: int = 60,
+    ) -> Array:
+        """State in equilibrium under the load, from flat or from another state."""
+        solver = self._solver()
+        elastic = np.linalg.norm(solver.residual(Body([self.faces], 0 * self.load), self.flat))
+        scale = elastic + np.linalg.norm(self.load)
+        outcome = solver.settle(
+            [Body([self.faces], self.load)],
+            self.flat if start is None else start,
+            NewtonLimits(tolerance * scale, iterations, longest_step),
+        )
+        if not outcome.converged:
+            left = outcome.residual / scale
+            raise ComputationError(
+                f"no equilibrium in {outcome.iterations} iterations, relative residual {left:.1e}"
+            )
+        return outcome.state
+
+    def unstable_modes(self, state: Array) -> int:
+        """Number of negative eigenvalues of the Hessian."""
+        return self._solver().unstable_modes(Body([self.faces], self.load), state)
+
+    def least_stiffness(self, state: Array) -> float:
+        """Eigenvalue of the Hessian nearest to 0, N/m."""
+        hessian = self._solver().assembly.hessian([self.faces], state)
+        begin = np.random.default_rng(0).normal(size=hessian.shape[0])
+        return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
+
+    def _solver(self) -> EquilibriumSolver:
+        assembly = Assembly(len(self.flat), [self.faces.dofs], self.held)
+        return EquilibriumSolver(assembly, best_linear_solver())
+
+
+def plate(mesh: PlanarMesh, layers, profile=None) -> tuple[MorleyFaces, Array]:
+    """Faces of some layers on a mesh, and their flat state."""
+    laminate = Laminate(layers, LinearProfile() if profile is None else profile)
+    faces = MorleyFaces(mesh.points, mesh.triangles, laminate)
+    nodes = np.column_stack([mesh.points, np.zeros(len(mesh.points))]).reshape(-1)
+    return faces, np.concatenate([nodes, np.zeros(faces.edge_count)])
+
+
+def single_layer(young_modulus, poisson_ratio, thickness, prestretch=(1.0, 1.0)) -> ShellLayer:
+    """A linear layer about its own mid-plane."""
+    law = plane_stress_law(LinearElastic(young_modulus, poisson_ratio))
+    return ShellLayer("plate", law, -thickness / 2, thickness / 2, np.diag(prestretch))
+
+
+def clamp_layer(mesh: PlanarMesh, clamped_nodes, young_modulus, thickness) -> ShellLayer:
+    """A layer, without Poisson's effect, that stiffens the faces between clamped nodes."""
+    law = plane_stress_law(LinearElastic(CLAMP_STIFFNESS * young_modulus, 0.0))
+    between = np.flatnonzero(np.isin(mesh.triangles, clamped_nodes).all(axis=1))
+    return ShellLayer("clamp", law, -thickness / 2, thickness / 2, np.eye(2), between)
+
+
+def nodes_of(state: Array, mesh: PlanarMesh) -> Array:
+    """Positions of the nodes, (n, 3)."""
+    return state[: 3 * len(mesh.points)].reshape(-1, 3)
+
+
+def pressure(mesh: PlanarMesh, size: int, load_per_area: float) -> Array:
+    """Dead load along z on the whole mesh, in the shape of a state of that size."""
+    load = np.zeros(size)
+    np.add.at(load, 3 * mesh.triangles + 2, load_per_area * mesh.areas[:, None] / 3)
+    return load
+
+
+def line_load(
+    mesh: PlanarMesh, size: int, line: NDArray[np.int64], load_per_length: float
+) -> Array:
+    """Dead load along z on a line of neighbouring nodes, in the shape of a state of that size."""
+    load = np.zeros(size)
+    pieces = np.linalg.norm(np.diff(mesh.points[line], axis=0), axis=1)
+    for ends in (line[:-1], line[1:]):
+        np.add.at(load, 3 * ends + 2, load_per_length * pieces / 2)
+    return load

@@ -1,0 +1,230 @@
+"""The ladder of the discrete shells: every case with its reference and tolerance."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from bilayer import open_result, paper_specimen, solve
+from bilayer.comparison import compare
+from bilayer.mesh_generation import generate_mesh
+from bilayer.result import result_mesh, result_specimen
+from dshell import MorleySettings
+from dshell.hinge_model import HingeModel
+from dshell.morley_model import MorleyModel
+from verification import bilayers, cantilevers, derivatives, hinge_lattice, plates
+from verification.rung import Check, Rung
+
+FINITE_ELEMENT_RESULT = Path(__file__).parents[2] / "results" / "paper" / "fenics.nc"
+
+
+def timoshenko_strip() -> Iterator[Check]:
+    for stretch, curvature in ((1.01, 6.793), (1.03, 19.985)):
+        found = bilayers.timoshenko_strip(stretch)
+        yield Check(f"curvature at prestretch {stretch:g} (1/m)", found, curvature, 0.01)
+
+
+def uniform_cap() -> Iterator[Check]:
+    for mismatch, sag, centre in (
+        (0.2, 0.19407, 0.19092),
+        (0.5, 0.43398, 0.40071),
+        (1.0, 0.71125, 0.57980),
+    ):
+        cap = bilayers.scaled_cap(mismatch)
+        yield Check(f"S = {mismatch:g}: curvature by the sag", cap.sag, sag, 0.01)
+        yield Check(f"S = {mismatch:g}: curvature at the centre", cap.centre, centre, 0.01)
+
+
+def loss_of_symmetry() -> Iterator[Check]:
+    expected = 1.15075
+    below = bilayers.span_ratio(0.98 * expected)
+    yield Check("ratio of the spans at 0.98 S_c", below, 1.0, 2e-3)
+    beyond = bilayers.span_ratio(1.02 * expected)
+    yield Check("the same at 1.02 S_c: no longer round", beyond, 1.0, None)
+    found = bilayers.loss_of_symmetry(expected * np.array([0.96, 0.975, 0.99]))
+    yield Check("S_c, nu = 1/2", found, expected, 0.02)
+
+
+def rolled_disc() -> Iterator[Check]:
+    found = bilayers.rolled_curvature(5.0)
+    yield Check("larger curvature over k0 at S = 5", found, 1.5, 0.10)
+
+
+def lattice() -> Iterator[Check]:
+    for bent, energy in (
+        (hinge_lattice.cylinder, np.sqrt(3) / 4),
+        (hinge_lattice.sphere, 1 / np.sqrt(3)),
+        (hinge_lattice.saddle, 2 / np.sqrt(3)),
+    ):
+        found = hinge_lattice.lattice_energy(bent)
+        yield Check(f"{bent.__name__}: energy per area over k k0^2", found, energy, 3e-3)
+
+
+def rolled_strip() -> Iterator[Check]:
+    for name, turn in (("quarter", np.pi / 2), ("full", 2 * np.pi)):
+        x, _, fall = cantilevers.rolled_strip(turn)
+        yield Check(f"{name} circle: u / L", x - 1, np.sin(turn) / turn - 1, 5e-3, 1.0)
+        yield Check(f"{name} circle: w / L", fall, (1 - np.cos(turn)) / turn, 5e-3, 1.0)
+
+
+def heavy_strip() -> Iterator[Check]:
+    for weight, drop in ((1, 0.123471), (5, 0.495905), (10, 0.700200)):
+        found = cantilevers.heavy_strip(weight)
+        yield Check(f"q L^3 / EI = {weight}: drop / L", found, drop, 0.01)
+
+
+def sheared_strip() -> Iterator[Check]:
+    cases = {"half load": (1.604, 4.933), "full load": (3.286, 6.698)}
+    tips = cantilevers.sheared_strip((0.5, 1.0))
+    for (name, (shortening, rise)), tip in zip(cases.items(), tips, strict=True):
+        yield Check(f"strip, {name}: -u", -tip[0], shortening, 0.01)
+        yield Check(f"strip, {name}: w", tip[2], rise, 0.01)
+
+
+def lifted_ring() -> Iterator[Check]:
+    meshes = (4, 8, 12)
+    rises = np.array([cantilevers.lifted_ring(radial) for radial in meshes])
+    for end, found, expected in zip("AB", rises.T, (13.891, 17.528), strict=True):
+        for radial, rise in zip(meshes[:-1], found[:-1], strict=True):
+            yield Check(f"w_{end}, {radial} x {10 * radial} cells", rise, expected)
+        last = f"w_{end}, {meshes[-1]} x {10 * meshes[-1]} cells"
+        yield Check(last, found[-1], expected, 0.02)
+
+
+def square_plate() -> Iterator[Check]:
+    cells = (10, 20, 50)
+    found = [plates.supported_square(n) for n in cells]
+    yield from refined("supported, nu = 1/2", cells, found, 0.00406235, 3e-3)
+
+
+def circular_plates() -> Iterator[Check]:
+    rings = (8, 16, 32)
+    for nu in (0.3, 0.5):
+        found = [plates.supported_disc(n, nu) for n in rings]
+        yield from refined(f"supported, nu = {nu}", rings, found, (5 + nu) / (1 + nu), 0.01)
+        found = [plates.clamped_disc(n, nu) for n in rings]
+        yield from refined(f"clamped, nu = {nu}", rings, found, 1.0, 0.01)
+
+
+def refined(
+    case: str, sizes: Sequence[int], found: Sequence[float], expected: float, tolerance: float
+) -> Iterator[Check]:
+    """A number on finer and finer meshes, judged on the finest, and its rates of convergence."""
+    for size, value in zip(sizes[:-1], found[:-1], strict=True):
+        yield Check(f"{case}, 1/{size}", value, expected)
+    yield Check(f"{case}, 1/{sizes[-1]}", found[-1], expected, tolerance)
+    errors = np.abs(np.array(found) / expected - 1)
+    rates = np.log(errors[:-1] / errors[1:]) / np.log(np.divide(sizes[1:], sizes[:-1]))
+    for size, rate in zip(sizes[1:], rates, strict=True):
+        yield Check(f"{case}, rate to 1/{size}", rate, 2.0, 0.1)
+
+
+def energies() -> Iterator[Check]:
+    specimen, stretch = paper_specimen(), (1.2, 1.1)
+    mesh = generate_mesh(bilayers.ladder_disc(specimen.cut, 0.01))
+    linear, quadratic = (MorleySettings(profile=name) for name in ("linear", "quadratic"))
+    for name, model in (
+        ("morley, linear", MorleyModel(specimen, mesh, linear)),
+        ("morley, quadratic", MorleyModel(specimen, mesh, quadratic)),
+        ("hinge", HingeModel(specimen, mesh)),
+    ):
+        state = derivatives.rough_dome(mesh, model.extra_dofs)
+        for term in model.energies(stretch):
+            case = f"{name}, {term.name}"
+            gradient = derivatives.gradient_error(term, state)
+            hessian = derivatives.hessian_error(term, state)
+            moved = derivatives.rigid_motion_error(term, state, len(mesh.points))
+            yield Check(f"{case}: gradient", gradient, 0.0, 1e-7, 1.0)
+            yield Check(f"{case}: Hessian", hessian, 0.0, 1e-7, 1.0)
+            yield Check(f"{case}: rigid motion", moved, 0.0, 1e-9, 1.0)
+
+
+def against_finite_elements() -> Iterator[Check]:
+    reference = open_result(FINITE_ELEMENT_RESULT)
+    specimen, mesh = result_specimen(reference), result_mesh(reference)
+    shell = solve(specimen, "dshell", MorleySettings(), mesh=mesh)
+    distances = compare(reference, shell)["rms_distance_over_radius"]
+    tolerances = {1.03: 0.0035, 1.06: 0.01}
+    for stretch, distance in zip(distances["prestretch"].values, distances.values, strict=True):
+        tolerance = tolerances.get(round(float(stretch), 6))
+        yield Check(f"prestretch {stretch:g}: rms / R", float(distance), 0.0, tolerance, 1.0)
+
+
+MORLEY, HINGE = "dshell morley", "dshell hinge"
+
+SHELL_RUNGS = (
+    Rung(
+        4, MORLEY, "Timoshenko strip",
+        "80 x 6 mm, prestretched along its length, curvature in the middle third; Timoshenko "
+        "(1925), for small mismatch.",
+        timoshenko_strip,
+    ),
+    Rung(
+        6, MORLEY, "Cap of a uniform disc",
+        "Scaled curvatures k R^2 / 4h at the mismatch S = k0 R^2 / 4h; von Karman's equations.",
+        uniform_cap,
+    ),
+    Rung(
+        7, MORLEY, "Uniform disc loses its symmetry",
+        "Where the least stiffness of the cap, at 0.96 to 0.99 S_c, extrapolates to 0; von "
+        "Karman's equations.",
+        loss_of_symmetry,
+    ),
+    Rung(
+        8, MORLEY, "Uniform disc far beyond: a cylinder",
+        "Its curvature at the centre tends to (1 + nu) k0.",
+        rolled_disc,
+    ),
+    Rung(
+        9, HINGE, "Lattice of hinges",
+        "Equilateral triangles bent to a curvature k0, k the stiffness of a hinge; closed form.",
+        lattice,
+    ),
+    Rung(
+        10, MORLEY, "Strip rolled to a full circle",
+        "u / L = sin f / f - 1, w / L = (1 - cos f) / f for the angle f. A moment that follows the "
+        "tip is no dead load, so the natural curvature M / EI that has the same solution takes its "
+        "place. Errors are over L.",
+        rolled_strip,
+    ),
+    Rung(
+        11, MORLEY, "Heavy cantilever",
+        "The elastica under its weight q per length.",
+        heavy_strip,
+    ),
+    Rung(
+        12, MORLEY, "Cantilever with end shear",
+        "L = 10, b = 1, h = 0.1, E = 1.2e6, nu = 0, P = 4; Sze, Liu and Lo (2004).",
+        sheared_strip,
+    ),
+    Rung(
+        12, MORLEY, "Slit annular plate",
+        "Radii 6 and 10, h = 0.03, E = 21e6, nu = 0, 0.8 per length on one lip, the other clamped; "
+        "Sze, Liu and Lo (2004).",
+        lifted_ring,
+    ),
+    Rung(
+        13, MORLEY, "Square plate under pressure",
+        "Centre deflection times D / (q a^4), 1/n the size of a cell; Timoshenko and "
+        "Woinowsky-Krieger, table 8.",
+        square_plate,
+    ),
+    Rung(
+        13, MORLEY, "Circular plates under pressure",
+        "Centre deflection times 64 D / (q a^4), 1/n the width of a ring of triangles; Timoshenko "
+        "and Woinowsky-Krieger, sections 16 and 17.",
+        circular_plates,
+    ),
+    Rung(
+        14, "dshell", "Derivatives and rigid motion of every energy",
+        "Largest difference from central differences of fourth order, over the largest entry, on a "
+        "rough dome; largest change by a rigid motion.",
+        energies,
+    ),
+    Rung(
+        15, MORLEY, "Against the finite-element model",
+        "rms distance of the interfaces after rigid alignment, on the mesh of the finite-element "
+        "result that `scripts/reproduce` keeps (results/paper/fenics.nc).",
+        against_finite_elements,
+    ),
+)  # fmt: skip

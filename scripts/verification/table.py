@@ -1,0 +1,71 @@
+"""The ladder as a table: in the terminal, and as the page docs/verification.md."""
+
+from collections.abc import Mapping, Sequence
+
+from verification.rung import MISSED, Check, Rung
+
+Ladder = Sequence[tuple[Rung, Sequence[Check]]]
+HEADINGS = ("quantity", "measured", "reference", "error", "tolerance", "verdict")
+WIDTHS = (46, 11, 11, 9, 9, 8)
+
+
+def missed(ladder: Ladder) -> int:
+    """Return the number of checks that miss their tolerance."""
+    return sum(check.verdict == MISSED for _, checks in ladder for check in checks)
+
+
+def summary(ladder: Ladder) -> str:
+    """Return one line: how many rungs and checks, and how many of these miss."""
+    judged = [check for _, checks in ladder for check in checks if check.tolerance is not None]
+    count = missed(ladder)
+    return (
+        f"{len(ladder)} rungs, {len(judged)} checks with a tolerance: "
+        f"{len(judged) - count} passed, {count} missed."
+    )
+
+
+def rung_text(rung: Rung, checks: Sequence[Check]) -> str:
+    """Return a rung as lines for the terminal."""
+    lines = [f"{rung.number}  {rung.title}  [{rung.solver}]", _row(HEADINGS)]
+    return "\n".join(lines + [_row(_cells(check)) for check in checks]) + "\n"
+
+
+def page(ladder: Ladder, absent: Mapping[str, str]) -> str:
+    """Return the page of the whole ladder, with the rungs that it lacks and why."""
+    parts = [
+        "# Verification",
+        "Cases with known answers, and what this software makes of them. This page is written by "
+        '`scripts/verify`, which computes every number of the column "measured" anew and fails '
+        "if one misses its tolerance. Errors and tolerances are relative to the reference, or "
+        "absolute where it is 0; a number without a tolerance is reported, not judged.",
+        summary(ladder),
+    ]
+    for rung, checks in ladder:
+        rows = [HEADINGS, ("---",) * len(HEADINGS), *map(_cells, checks)]
+        table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
+        parts += [f"## {rung.number}. {rung.title} ({rung.solver})", rung.source, table]
+    lacking = "\n".join(f"- **{name}**: {why}" for name, why in absent.items())
+    return "\n\n".join([*parts, "## Not here yet", lacking]) + "\n"
+
+
+def _cells(check: Check) -> tuple[str, ...]:
+    if check.note:
+        return (f"{check.quantity} {check.note}", "-", "-", "-", "-", check.verdict)
+    return (
+        check.quantity,
+        f"{check.measured:.6g}",
+        f"{check.reference:.6g}",
+        f"{check.error:.1e}" if check.error < 1e-5 else f"{100 * check.error:.3f} %",
+        "-" if check.tolerance is None else _tolerance(check.tolerance),
+        check.verdict,
+    )
+
+
+def _tolerance(value: float) -> str:
+    return f"{100 * value:g} %" if value >= 1e-4 else f"{value:g}"
+
+
+def _row(words: Sequence[str]) -> str:
+    first, *rest = (f"{word:<{width}}" for word, width in zip(words, WIDTHS, strict=True))
+    numbers = (f"{word.strip():>{width}}" for word, width in zip(rest, WIDTHS[1:], strict=True))
+    return "  ".join(["  " + first, *numbers])
