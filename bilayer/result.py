@@ -226,6 +226,33 @@ def result_mesh(result: xr.Dataset) -> PlanarMesh:
     )
 
 
+def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> NDArray[np.float64]:
+    """Return the shape of a result at its milestone nearest to a prestretch.
+
+    Returns
+    -------
+    (n, 3) array of float
+        The bonded interface, m.
+
+    Raises
+    ------
+    InputError
+        The result is on another planar mesh, or reached no milestone.
+    """
+    if not result_mesh(start).same_as(mesh):
+        raise InputError(
+            f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
+            f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
+        )
+    reached = start.isel(prestretch=np.flatnonzero(start["converged"].values == 1))
+    if reached.sizes["prestretch"] == 0:
+        raise InputError("start: has no converged milestone, expected at least one")
+    shape: NDArray[np.float64] = (
+        reached["position"].sel(prestretch=prestretch, method="nearest").values
+    )
+    return shape
+
+
 def own_versions() -> dict[str, str]:
     """Versions of this package and of those that every result needs."""
     return {"bilayer-shells": __version__, "numpy": np.__version__, "xarray": xr.__version__}

@@ -17,9 +17,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.alignment import aligned
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import ComputationError
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import MilestoneState, result_mesh
+from bilayer.result import MilestoneState, starting_shape
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from bilayer.surface import flat_surface
@@ -290,26 +290,6 @@ def release_static(
         if failure:
             return states, failure
     return states, ""
-
-
-def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> Array:
-    """Return the shape of a result at its milestone nearest to a prestretch, m, shape (n, 3).
-
-    Raises
-    ------
-    InputError
-        The result is on another planar mesh, or reached no milestone.
-    """
-    if not result_mesh(start).same_as(mesh):
-        raise InputError(
-            f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
-            f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
-        )
-    reached = start.isel(prestretch=np.flatnonzero(start["converged"].values == 1))
-    if reached.sizes["prestretch"] == 0:
-        raise InputError("start: has no converged milestone, expected at least one")
-    shape: Array = reached["position"].sel(prestretch=prestretch, method="nearest").values
-    return shape
 
 
 def _report(progress: Progress | None, share: float, here: Equilibrium) -> None:

@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from bilayer.errors import BilayerError
 from bilayer.mesh_generation import check_memory, generate_mesh
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
+from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result, starting_shape
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
@@ -41,7 +41,7 @@ from fenics_model.effort_fields import effort_dataset
 from fenics_model.gradient_flow import GradientFlow
 from fenics_model.newton import Newton
 from fenics_model.settings import SolidSettings
-from fenics_model.shell_start import extrude_shape, placed, settle, starting_shape
+from fenics_model.shell_start import extrude_shape, placed, settle
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
 

@@ -10,45 +10,15 @@ from collections.abc import Sequence
 
 import numpy as np
 import ufl
-import xarray as xr
 from dolfinx import fem, la
 from numpy.typing import NDArray
 
-from bilayer.errors import InputError
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import result_mesh
 from fenics_model.jit import JIT_OPTIONS
 from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.solid import Solid
 
 _EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
-
-
-def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> NDArray[np.float64]:
-    """Return the shape of a result at its milestone nearest to a prestretch.
-
-    Returns
-    -------
-    (n, 3) array of float
-        The bonded interface, m.
-
-    Raises
-    ------
-    InputError
-        The result is on another planar mesh, or reached no milestone.
-    """
-    if not result_mesh(start).same_as(mesh):
-        raise InputError(
-            f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
-            f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
-        )
-    reached = start.isel(prestretch=np.flatnonzero(start["converged"].values == 1))
-    if reached.sizes["prestretch"] == 0:
-        raise InputError("start: has no converged milestone, expected at least one")
-    shape: NDArray[np.float64] = (
-        reached["position"].sel(prestretch=prestretch, method="nearest").values
-    )
-    return shape
 
 
 def placed(
