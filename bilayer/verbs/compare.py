@@ -1,0 +1,30 @@
+"""The verb `compare`: two results beside one another."""
+
+import argparse
+from typing import Any
+
+from bilayer.comparison import compare, comparison_table
+from bilayer.figures import draw_comparison, save_figure
+from bilayer.result import open_result
+from bilayer.verbs.parser import add_verb
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "compare", "compare two results on the same planar mesh",
+        "bilayer compare fenics.nc shell.nc -o comparison.png",
+    )  # fmt: skip
+    verb.add_argument("results", nargs=2, metavar="FILE.nc")
+    verb.add_argument("-o", "--output", metavar="FIGURE", help="draw it, too")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    first, second = (open_result(path) for path in options.results)
+    comparison = compare(first, second)
+    if not options.quiet:
+        print(comparison_table(comparison))
+    if options.output is not None:
+        save_figure(draw_comparison(comparison), options.output)
+    return 0

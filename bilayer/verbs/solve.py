@@ -1,0 +1,105 @@
+"""The verb `solve`: the released shapes of a specimen, by one of the solvers."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from bilayer.errors import InputError
+from bilayer.output_file import check_writable
+from bilayer.planar_mesh import PlanarMesh, read_planar_mesh
+from bilayer.progress import progress_bar
+from bilayer.ranks import is_first_rank, join_mpi
+from bilayer.report import result_table
+from bilayer.result import open_result, write_result
+from bilayer.settings import describe, settings_from, split_solver_settings
+from bilayer.solvers import SOLVERS, settings_kind, solve, solver_package
+from bilayer.specimen import Specimen
+from bilayer.verbs.parser import add_specimen_arguments, add_verb, specimen_of
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "solve", "compute the released shapes; write them as NetCDF",
+        "bilayer solve specimen.toml --solver fenics -o fenics.nc --prestretch 1.03 1.06\n"
+        "  mpirun -n 2 bilayer solve specimen.toml --solver fenics -o fenics.nc",
+    )  # fmt: skip
+    add_specimen_arguments(verb)
+    verb.add_argument("--solver", required=True, choices=list(SOLVERS))
+    verb.add_argument("--model", help="one of the solver's models, listed below")
+    verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
+    verb.add_argument(
+        "--prestretch", nargs="+", metavar="L",
+        help="milestones instead of the file's; L, or LX,LY for two directions",
+    )  # fmt: skip
+    verb.add_argument("--mesh", metavar="FILE", help="a planar mesh instead of a generated one")
+    verb.add_argument(
+        "--start", metavar="FILE.nc", help="a result on the same mesh whose shape starts the run"
+    )
+    verb.late_epilog = _describe_settings
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    join_mpi()
+    first = is_first_rank()
+    if not (first or solver_package(options.solver).PARALLEL):
+        return 0  # the first rank computes alone
+    check_writable(Path(options.output))
+    values, overrides = split_solver_settings(options.overrides)
+    specimen = specimen_of(options, overrides)
+    if options.prestretch is not None:
+        specimen = specimen.with_milestones([_milestone(word) for word in options.prestretch])
+    settings: Any = settings_from(settings_kind(options.solver, options.model), values)
+    mesh = None if options.mesh is None else _mesh_of(specimen, options.mesh)
+    start = None if options.start is None else open_result(options.start)
+    if options.verbose and first:
+        print(settings, file=sys.stderr)
+    with progress_bar(options.solver, shown=first and not options.quiet) as progress:
+        result = solve(
+            specimen, options.solver, settings, mesh=mesh, start=start, progress=progress
+        )
+    if first:
+        write_result(result, options.output)
+        if not options.quiet:
+            print(result_table(result))
+    return _status_of(result, settings, told=first)
+
+
+def _describe_settings() -> str:
+    lines = ["settings of the solvers, changed by --set solver.NAME=VALUE:"]
+    for name in SOLVERS:
+        for model, kind in solver_package(name).MODELS.items():
+            lines += [f"\n--solver {name} --model {model}", describe(kind)]
+    return "\n".join(lines)
+
+
+def _milestone(word: str) -> Any:
+    """Read L or LX,LY."""
+    try:
+        numbers = tuple(float(part) for part in word.split(","))
+    except ValueError:
+        raise InputError(f"--prestretch {word}: expected a number, or two as LX,LY") from None
+    return numbers[0] if len(numbers) == 1 else numbers
+
+
+def _mesh_of(specimen: Specimen, path: str) -> PlanarMesh:
+    """Read a mesh and check that it is as large as the specimen."""
+    mesh = read_planar_mesh(path)
+    radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
+    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
+        raise InputError(
+            f"mesh file {path}: its outermost node lies at {radius:g} m, expected "
+            f"specimen.outer_radius = {specimen.outer_radius} m"
+        )
+    return mesh
+
+
+def _status_of(result: Any, settings: Any, told: bool) -> int:
+    """Return 1 for a run that stopped early, unless stopping is one of the model's results."""
+    if bool(result["converged"].all()):
+        return 0
+    if told:
+        print(f"bilayer: stopped early: {result.attrs['stop_reason']}", file=sys.stderr)
+    return 0 if getattr(settings, "stopping_is_a_result", False) else 1
