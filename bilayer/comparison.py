@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.alignment import rms_distance
+from bilayer.caveats import is_unstable, touches_itself
 from bilayer.errors import InputError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import SAME_STRETCH, result_mesh, result_specimen
@@ -50,7 +51,8 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     Dataset
         Over the milestones that both have: `rms_distance` in m and `rms_distance_over_radius`,
         NaN where one of them was not reached, and, over the dimension `result`, the measures of
-        each. Attributes `first` and `second` are their labels.
+        each, with `unstable` and `touches_itself`. Attributes `first` and `second` are their
+        labels.
 
     Raises
     ------
@@ -64,7 +66,7 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     here, there = _common_milestones(first, second)
     pair = [first.isel(prestretch=here), second.isel(prestretch=there)]
     distance = _distances(mesh, *(result["position"].values for result in pair))
-    measures = [result[list(MEASURES)] for result in pair]
+    measures = [_measures(result) for result in pair]
     compared = xr.concat(measures, dim="result", join="override").assign(
         rms_distance=("prestretch", distance, {"units": "m", "long_name": "rms distance"}),
         rms_distance_over_radius=(
@@ -75,6 +77,11 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     )
     compared.attrs = {"first": result_label(first), "second": result_label(second)}
     return compared
+
+
+def _measures(result: xr.Dataset) -> xr.Dataset:
+    against = {"unstable": is_unstable(result), "touches_itself": touches_itself(result)}
+    return result[list(MEASURES)].assign({k: ("prestretch", v) for k, v in against.items()})
 
 
 def comparison_table(comparison: xr.Dataset) -> str:
@@ -97,6 +104,10 @@ def comparison_table(comparison: xr.Dataset) -> str:
     for axis, title in enumerate(("span x mm", "span y mm")):
         for side, result in sides:
             columns[title, side] = cells(1e3 * result["span"].isel(xyz=axis), "{:.2f}")
+    for title, name in (("unstable", "unstable"), ("contact", "touches_itself")):
+        if comparison[name].any():
+            for side, result in sides:
+                columns[title, side] = ["yes" if found else "no" for found in result[name].values]
     heading = f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}"
     return f"{heading}\n{pd.DataFrame(columns).to_string(index=False)}"
 

@@ -9,6 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bilayer.caveat_marks import mark_caveats
+from bilayer.caveats import is_unstable, touches_itself
 from bilayer.comparison import compare, result_label
 from bilayer.figure_style import (
     MILLIMETRES,
@@ -28,14 +30,16 @@ def draw_quality(results: Sequence[xr.Dataset]) -> Figure:
     Parameters
     ----------
     results : sequence of Dataset
-        Any number of results; milestones that were not reached are crosses above the frame.
+        Any number of results; milestones that were not reached are crosses above the frame,
+        unstable ones and those that touch themselves are ringed.
     """
     with print_style():
         figure = new_figure(4.8, 3.8)
         axes = figure.add_subplot()
         for k, result in enumerate(results):
-            _draw_line(axes, result["prestretch"].values, result["quality"].values, k,
-                       result_label(result))  # fmt: skip
+            stretch, quality = result["prestretch"].values, result["quality"].values
+            _draw_line(axes, stretch, quality, k, result_label(result))
+            mark_caveats(axes, stretch, quality, is_unstable(result), touches_itself(result))
         _label_quality(axes)
         figure.legend(loc="outside upper center", ncols=2)
     return figure
@@ -62,6 +66,7 @@ def draw_quality_against(shell: xr.Dataset, reference: xr.Dataset) -> Figure:
         axes.plot([0, 1], [0, 1], color="0.5", linestyle="--", linewidth=0.9, label="equal quality")
         axes.plot(along, up, "o", color=RESULT_COLOURS[0], clip_on=False,
                   label="milestone, with its λ")  # fmt: skip
+        mark_caveats(axes, along, up, *_against_either(comparison))
         for stretch, x, y in zip(comparison["prestretch"].values, along, up, strict=True):
             if np.isfinite(x + y):
                 axes.annotate(f"{stretch:g}", (x, y), xytext=(5, -3), textcoords="offset points",
@@ -89,7 +94,9 @@ def draw_comparison(comparison: xr.Dataset) -> Figure:
         _finish(distance)
         for k, label in enumerate(labels):
             of_one = comparison.isel(result=k)
+            against = of_one["unstable"].values, of_one["touches_itself"].values
             _draw_line(quality, stretch, of_one["quality"].values, k, label)
+            mark_caveats(quality, stretch, of_one["quality"].values, *against)
             height.plot(stretch, MILLIMETRES * of_one["height"].values, **_look(k))
         _label_quality(quality)
         height.set_ylabel("height (mm)")
@@ -114,11 +121,21 @@ def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
         for k, comparison in enumerate(comparisons, start=1):
             percent = 100 * comparison["rms_distance_over_radius"].values
             label = comparison.attrs["second"]
-            axes.semilogy(comparison["prestretch"].values, percent, label=label, **_look(k))
+            stretch = comparison["prestretch"].values
+            axes.semilogy(stretch, percent, label=label, **_look(k))
+            mark_caveats(axes, stretch, percent, *_against_either(comparison))
         axes.set_ylabel(f"rms distance to {comparisons[0].attrs['first']} (% of R)")
         _finish(axes)
         figure.legend(loc="outside upper center", ncols=len(comparisons))
     return figure
+
+
+def _against_either(comparison: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether either result is unstable, and whether either touches itself, per milestone."""
+    unstable, touching = (
+        comparison[name].any("result").values for name in ("unstable", "touches_itself")
+    )
+    return unstable, touching
 
 
 def _draw_line(

@@ -20,6 +20,7 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from bilayer.body_frame import body_frame
+from bilayer.caveats import caveats
 from bilayer.comparison import result_label
 from bilayer.errors import InputError
 from bilayer.figure_style import (
@@ -127,9 +128,9 @@ def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
 def _shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
     """Shapes of all milestones that have one, in the body frame."""
     shapes = []
-    for k in range(result.sizes["prestretch"]):
+    for k, note in enumerate(caveats(result)):
         milestone = result.isel(prestretch=k)
-        position, note = milestone["position"].values, ""
+        position = milestone["position"].values
         if not milestone["converged"] and "last_position" in milestone:
             position = milestone["last_position"].values
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"

@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from scipy.spatial.transform import Rotation
 
 from bilayer import ComputationError, InputError, result_mesh
-from bilayer.comparison import compare
+from bilayer.comparison import compare, comparison_table
 from bilayer.figure_style import BARE_COLOUR, KIRIGAMI_COLOUR
 from bilayer.figures import (
     draw_birds_eye,
@@ -190,3 +190,18 @@ def test_distances_are_drawn_for_every_comparison():
     assert len(lines) == 2
     for line in lines:
         np.testing.assert_array_equal(line.get_ydata(), expected)
+
+
+def test_shapes_with_something_against_them_are_marked(whole):
+    doubtful = whole.copy(deep=True)
+    doubtful["unstable_modes"][1] = 2
+    doubtful["self_contact_gap"][2] = 0.0
+    (axes,) = draw_quality([whole, doubtful]).get_axes()
+    marks = {line.get_label(): line.get_xdata().tolist() for line in axes.get_lines()[2:]}
+    assert marks == {"unstable": [1.06], "touches itself": [1.09]}
+    assert [panel.texts[0].get_text() for panel in visible_axes(draw_birds_eye(doubtful))] == [
+        "", "unstable", "touches itself",
+    ]  # fmt: skip
+    table = comparison_table(compare(whole, doubtful))
+    assert "unstable" in table and "contact" in table
+    assert "unstable" not in comparison_table(compare(whole, whole))
