@@ -83,7 +83,7 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
         gmsh is not there, or fails.
     """
     check_memory(specimen, BYTES_PER_TRIANGLE, "the mesh")
-    with _gmsh_session() as gmsh:
+    with gmsh_session() as gmsh:
         try:
             kirigami, bare = _draw(gmsh, specimen)
             gmsh.model.mesh.generate(2)
@@ -95,7 +95,7 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
 
 
 @contextmanager
-def _gmsh_session() -> Iterator[Any]:
+def gmsh_session() -> Iterator[Any]:
     """Give gmsh, quiet and with an empty model, and leave it as it was found."""
     try:
         import gmsh
