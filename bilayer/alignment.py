@@ -1,4 +1,4 @@
-"""Rigid alignment of two point sets that correspond, and the distance that is left."""
+"""Rigid motions of a shape: onto points that correspond, onto three held ones, and what is left."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,37 @@ def rms_distance(moving: Array, fixed: Array, weights: Array) -> float:
     """
     apart = aligned(moving, fixed, weights) - fixed
     return float(np.sqrt(np.average(np.sum(apart**2, axis=1), weights=weights)))
+
+
+def placed(shape: Array, flat: Array, held: tuple[int, int, int]) -> Array:
+    """Move a shape rigidly so that six coordinates of three points are those of a flat state.
+
+    Parameters
+    ----------
+    shape : (n, 3) array of float
+        Any position and orientation, m.
+    flat : (n, 2) array of float
+        The flat state, at z = 0, m.
+    held : (int, int, int)
+        Points a, b, c: a goes to its flat place, b, which lies toward +x from it, to its flat y
+        and to z = 0, c to z = 0. They keep their sense of rotation.
+
+    Returns
+    -------
+    (n, 3) array of float
+        The shape moved, m.
+    """
+    a, b, c = held
+    moved, arms = shape - shape[a], flat - flat[a]
+    length = np.linalg.norm(moved[b])
+    along = moved[b] / length
+    normal = np.cross(along, moved[c])
+    sense = np.sign(arms[b, 0] * arms[c, 1] - arms[b, 1] * arms[c, 0])
+    normal *= sense / np.linalg.norm(normal)
+    turn = np.arcsin(np.clip(arms[b, 1] / length, -1, 1))
+    x = np.cos(turn) * along - np.sin(turn) * np.cross(normal, along)
+    axes = np.stack([x, np.cross(normal, x), normal])
+    return np.asarray(moved @ axes.T + np.append(flat[a], 0.0))
 
 
 def _centred(points: Array, weights: Array) -> Array:

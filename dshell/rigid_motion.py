@@ -27,26 +27,3 @@ def held_coordinates(mesh: PlanarMesh) -> NDArray[np.int64]:
     """Return the six coordinates, by their places in the state."""
     a, b, c = coordinates_of(np.array(held_nodes(mesh)))
     return np.concatenate([a, b[1:], c[2:]])
-
-
-def placed(shape: Array, mesh: PlanarMesh) -> Array:
-    """Move a shape rigidly so that its held coordinates are those of the flat mesh at z = 0.
-
-    Parameters
-    ----------
-    shape : (n, 3) array of float
-        Any position and orientation, m.
-    mesh : PlanarMesh
-        The flat state.
-    """
-    a, b, c = held_nodes(mesh)
-    flat = mesh.points - mesh.points[a]
-    moved = shape - shape[a]
-    length = np.linalg.norm(moved[b])
-    along = moved[b] / length
-    normal = np.cross(along, moved[c])
-    normal *= np.sign(flat[b, 0] * flat[c, 1] - flat[b, 1] * flat[c, 0]) / np.linalg.norm(normal)
-    turn = np.arcsin(np.clip(flat[b, 1] / length, -1, 1))
-    x = np.cos(turn) * along - np.sin(turn) * np.cross(normal, along)
-    frame = np.stack([x, np.cross(normal, x), normal])
-    return moved @ frame.T + np.array([*mesh.points[a], 0.0])

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.alignment import aligned
+from bilayer.alignment import aligned, placed
 from bilayer.errors import ComputationError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, starting_shape
@@ -28,7 +28,7 @@ from dshell.interface import bonded_interface
 from dshell.linear_solver import LinearSolver, best_linear_solver
 from dshell.masses import lumped_masses
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
-from dshell.rigid_motion import held_coordinates, placed
+from dshell.rigid_motion import held_coordinates, held_nodes
 from dshell.settings import StaticSettings
 
 Array = NDArray[np.float64]
@@ -123,7 +123,8 @@ class StaticRelease:
         mesh, depth = self._mesh, -self._model.bond_height(stretch)
         bond = starting_shape(result, mesh, max(stretch))
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
-        guess = Equilibrium(stretch, self._state_of(placed(surface, mesh)))
+        upright = placed(surface, mesh.points, held_nodes(mesh))
+        guess = Equilibrium(stretch, self._state_of(upright))
         found = self._equilibrium(guess, stretch)
         return found if isinstance(found, Equilibrium) else self.flat()
 

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from bilayer.alignment import placed
 from bilayer.errors import BilayerError
 from bilayer.mesh_generation import check_memory, generate_mesh
 from bilayer.planar_mesh import PlanarMesh
@@ -41,7 +42,7 @@ from fenics_model.effort_fields import effort_dataset
 from fenics_model.gradient_flow import GradientFlow
 from fenics_model.newton import Newton
 from fenics_model.settings import SolidSettings
-from fenics_model.shell_start import extrude_shape, placed, settle
+from fenics_model.shell_start import extrude_shape, settle
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
 
@@ -164,7 +165,8 @@ class Release:
         values = solid.state.x.array
         first = self._body.path.milestones[0]
         self._body.load(first)
-        extrude_shape(solid, self._mesh, placed(shape, self._mesh, held_nodes(self._mesh)))
+        upright = placed(shape, self._mesh.points, held_nodes(self._mesh))
+        extrude_shape(solid, self._mesh, upright)
         reference = max(reference_residual(self._newton), self._tolerances.least_reference)
         settled = settle(
             solid, self._absent, settings.path_tolerance * reference, settings.petsc_options

@@ -21,42 +21,6 @@ from fenics_model.solid import Solid
 _EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
 
 
-def placed(
-    shape: NDArray[np.float64], mesh: PlanarMesh, nodes: tuple[int, int, int]
-) -> NDArray[np.float64]:
-    """Move a shape rigidly to where the held points of the solid are.
-
-    Parameters
-    ----------
-    shape : (n, 3) array of float
-        Any position and orientation.
-    mesh : PlanarMesh
-        The flat state.
-    nodes : (int, int, int)
-        Nodes a, b, c: a goes to its flat place, b to its flat y and to z = 0, c to z = 0.
-
-    Returns
-    -------
-    (n, 3) array of float
-        The shape moved.
-    """
-    a, b, c = nodes
-    flat = mesh.points - mesh.points[a]
-    moved = shape - shape[a]
-    length = np.linalg.norm(moved[b])
-    along = moved[b] / length
-    normal = np.cross(along, moved[c])
-    normal *= np.sign(flat[b, 0] * flat[c, 1] - flat[b, 1] * flat[c, 0]) / np.linalg.norm(normal)
-    turn = np.arcsin(np.clip(flat[b, 1] / length, -1, 1))
-    across = np.cross(normal, along)
-    axes = [
-        np.cos(turn) * along - np.sin(turn) * across,
-        np.sin(turn) * along + np.cos(turn) * across,
-        normal,
-    ]
-    return moved @ np.column_stack(axes) + np.append(mesh.points[a], 0.0)
-
-
 def settle(
     solid: Solid, held: Sequence[fem.DirichletBC], tolerance: float, options: str
 ) -> NewtonOutcome:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bilayer.alignment import aligned, rms_distance
+from bilayer.alignment import aligned, placed, rms_distance
 
 POINTS = np.random.default_rng(2).normal(size=(50, 3))
 WEIGHTS = np.random.default_rng(3).uniform(0.1, 1, 50)
@@ -44,3 +44,19 @@ def test_no_smaller_distance_at_another_rotation():
         assert WEIGHTS @ np.sum((turned - POINTS) ** 2, axis=1) > WEIGHTS @ np.sum(
             (best - POINTS) ** 2, axis=1
         )
+
+
+@pytest.mark.parametrize("held", [(0, 1, 2), (0, 1, 3), (2, 1, 0)])
+def test_a_placed_shape_has_six_coordinates_of_the_flat_state(held):
+    flat = np.array([[0.1, 0], [1, 0.2], [-0.3, 1], [0.2, -0.8], [-1, 0]])
+    bent = np.column_stack([0.9 * flat, 0.1 * (flat**2).sum(axis=1)])
+    moved = placed(TURN.apply(bent) + np.array([3, 2, 1]), flat, held)
+    a, b, c = held
+    assert moved[a] == pytest.approx([*flat[a], 0], abs=1e-12)
+    assert moved[b, 1:] == pytest.approx([flat[b, 1], 0], abs=1e-12)
+    assert moved[c, 2] == pytest.approx(0, abs=1e-12)
+    assert rms_distance(moved, bent, np.ones(5)) < 1e-12
+    moved_area, flat_area = (
+        np.linalg.det(points[[b, c], :2] - points[a, :2]) for points in (moved, flat)
+    )
+    assert moved_area * flat_area > 0
