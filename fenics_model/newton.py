@@ -174,6 +174,13 @@ class Newton:
             solver.setUp()
         return solver.getPC()
 
+    def corrections(self, *right: PETSc.Vec) -> list[PETSc.Vec]:
+        """Solve with the factors of the last tangent for one or more right-hand sides."""
+        found = [side.duplicate() for side in right]
+        for side, correction in zip(right, found, strict=True):
+            self.factors.apply(side, correction)
+        return found
+
     @property
     def factors(self) -> PETSc.PC:
         """What holds the factors of the last tangent."""
@@ -189,6 +196,16 @@ class Newton:
             self._viscosity.destroy()
             self._viscosity = None
 
+    def move_to(self, x: PETSc.Vec) -> None:
+        """Make x the present state."""
+        self._set_state(x)
+
+    def residual(self) -> PETSc.Vec:
+        """Return the residual of the present state, held dofs left out."""
+        self._apply_held()
+        self._assemble_residual(self._r)
+        return self._r.copy()
+
     def vector(self) -> PETSc.Vec:
         """Return a copy of the present state."""
         copy = self._x.duplicate()
@@ -196,9 +213,9 @@ class Newton:
         return copy
 
     def assembled(self, form: fem.Form) -> PETSc.Mat:
-        """Assemble a form on the same space; the rows and columns of held dofs are of unity."""
+        """Assemble a form on the same space; the rows and columns of held dofs are zero."""
         matrix = fem_petsc.create_matrix(form)
-        fem_petsc.assemble_matrix(matrix, form, self._held)
+        fem_petsc.assemble_matrix(matrix, form, self._held, 0.0)
         matrix.assemble()
         return matrix
 

@@ -7,6 +7,7 @@ layer are held at zero. The solid knows layers, natural states and dead loads, a
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import basix.ufl
@@ -125,6 +126,16 @@ class Solid:
     def layer_energy(self, layer: int) -> float:
         """Strain energy of a layer in the present state, J, the same on every rank."""
         local = fem.assemble_scalar(self._layer_energies[layer])
+        return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
+
+    @cached_property
+    def _potential_form(self) -> fem.Form:
+        """Compiled when it is first needed, which is seldom."""
+        return self._form(self._potential())
+
+    def potential_energy(self) -> float:
+        """Strain energy less the work of the dead loads, J, the same on every rank."""
+        local = fem.assemble_scalar(self._potential_form)
         return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
 
     def component(self, axis: int) -> fem.FunctionSpace:
