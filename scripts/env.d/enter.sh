@@ -1,10 +1,10 @@
 # shellcheck shell=bash
-# Entering the root file system: /usr, /etc and /var are Debian 13's, everything else is the
-# machine's own, at its own path. Sourced by scripts/env.
-: "${checkout:?}"
+# Entering a root file system: /usr, /etc and /var are that Debian's, everything else is the
+# machine's own, at its own path. Sourced by scripts/env and scripts/ccx.
+: "${script:?}" "${checkout:?}"
 
 # Bubblewrap makes the view and a process that holds it open; nsenter joins the view and becomes
-# COMMAND. So COMMAND has the process id and the terminal of scripts/env: signals reach it, and its
+# COMMAND. So COMMAND has the process id and the terminal of the script: signals reach it, and its
 # exit status is ours.
 enter_root() {  # root, command...
     local root=$1 here=$PWD holder lock view=()
@@ -26,7 +26,7 @@ enter_root() {  # root, command...
         kill "$1"
         cd -- "$2" || exit 1
         shift 2
-        exec "$@"' scripts/env "$holder" "$here" "$@"
+        exec "$@"' "$script" "$holder" "$here" "$@"
 }
 
 # Bubblewrap's arguments, each ended by a NUL.
@@ -83,4 +83,19 @@ set_root_variables() {
     # MPI within this machine alone: shared memory, no search for fast networks and their warnings.
     export OMPI_MCA_pml=${OMPI_MCA_pml:-ob1} OMPI_MCA_btl=${OMPI_MCA_btl:-self,sm}
     set_common_variables
+}
+
+# What holds in every way: the checkout's package and commands are found, one thread per rank, and
+# mpirun may start more ranks than there are cores.
+# scripts/ comes last on the PATH, because its `env` and `test` must not hide the system's.
+# A nested call finds BILAYER_ENV=native and so runs its command directly.
+set_common_variables() {
+    export BILAYER_ENV=native
+    [[ :$PATH: == *:$checkout/scripts:* ]] || export PATH=$PATH:$checkout/scripts
+    [[ :${PYTHONPATH-}: == *:$checkout:* ]] || export PYTHONPATH=$checkout${PYTHONPATH:+:$PYTHONPATH}
+    export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
+    export PRTE_MCA_rmaps_default_mapping_policy=${PRTE_MCA_rmaps_default_mapping_policy:-:oversubscribe}
+    if ((UID == 0)); then
+        export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    fi
 }

@@ -1,14 +1,19 @@
 # shellcheck shell=bash
-# Making the Debian 13 root file system: mmdebstrap, the package list, the machine's own mirror.
-# Sourced by scripts/env.
-: "${checkout:?}"
+# Making a Debian root file system: mmdebstrap, a list of packages, the machine's own mirror.
+# Sourced by scripts/env and scripts/ccx, which say what is made: the suite, the folder that it is
+# kept in, and a function `packages` that prints the list.
+: "${script:?}" "${suite:?}" "${cache:?}"
 
-suite=trixie
-recipe=1  # raise it when run_mmdebstrap makes something else of the same list
-cache=${XDG_CACHE_HOME:-$HOME/.cache}/bilayer-shells
+recipe=1  # raise it when start_mmdebstrap makes something else of the same list
 
-packages() {
-    sed -E 's/#.*//; s/[[:space:]]+//g; /^$/d' "$checkout/docker/apt-packages.txt" | sort -u
+# What runs as root of a namespace of its own may do with a root file system what root may, and its
+# files belong to the ordinary user who started it (or to sub-ids of theirs, until the build is done).
+as_owner=()
+((UID == 0)) || as_owner=(unshare --map-root-user --map-auto)
+
+fail() {  # status, message
+    echo "$script: $2" >&2
+    exit "$1"
 }
 
 root_folder() {
@@ -27,16 +32,24 @@ with_build_lock() {  # command...
     local lock
     need_command bwrap bubblewrap
     need_command mmdebstrap mmdebstrap
-    bwrap --dev-bind / / true >/dev/null 2>&1 ||
-        fail 1 "bubblewrap may not make mounts here (in a container?); take Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
+    need_namespaces
     mkdir -p "$cache"
     exec {lock}>"$cache/lock"
     if ! flock --nonblock "$lock"; then
-        echo "scripts/env: another start is making the environment, waiting for it" >&2
+        echo "$script: another start is making the environment, waiting for it" >&2
         flock "$lock"
     fi
     "$@"
     exec {lock}>&-
+}
+
+need_namespaces() {
+    local said
+    bwrap --dev-bind / / true >/dev/null 2>&1 ||
+        fail 1 "bubblewrap may not make mounts here (in a container, or user namespaces are switched off?); take Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
+    ((UID == 0)) || need_command newuidmap uidmap
+    said=$("${as_owner[@]}" true 2>&1) ||
+        fail 1 "the user $(id -un) may not make a root file system here: ${said:-no user namespaces}; root can allow it with: usermod --add-subuids 100000-165535 --add-subgids 100000-165535 $(id -un)"
 }
 
 build_root_unless_built() {
@@ -48,7 +61,7 @@ build_root() {
     root=$(root_folder)
     partial=$root.partial
     clear_remains
-    echo "scripts/env: making a Debian 13 environment in $root (once, a few minutes)" >&2
+    echo "$script: making a Debian $suite environment in $root (once, a few minutes)" >&2
     exec {screen}> >(show_progress "$log")
     progress=$!
     start_mmdebstrap "$partial" >&"$screen" 2>&1 {screen}>&- &
@@ -61,6 +74,8 @@ build_root() {
     trap clear_remains EXIT
     wait "$builder" || fail 1 "making the environment failed: $(cause_of_failure "$log") (all of it: $log)"
     wait "$progress"
+    # All of it is the ordinary user's now, who can remove it as any other folder.
+    ((UID == 0)) || "${as_owner[@]}" chown --recursive --no-dereference 0:0 "$partial"
     sync --file-system "$partial"
     [[ ! -e $root ]] || mv --no-target-directory "$root" "$root.old-$$.partial"
     mv --no-target-directory "$partial" "$root"
@@ -68,7 +83,7 @@ build_root() {
     clear_remains
     remove_other_roots "$root"
     rm -rf "$cache/packages" "$log"
-    echo "scripts/env: the environment is ready ($(du -sh "$root" 2>/dev/null | cut -f1), ${SECONDS} s)" >&2
+    echo "$script: the environment is ready ($(du -sh "$root" 2>/dev/null | cut -f1), ${SECONDS} s)" >&2
 }
 
 # Under the lock, a temporary name is the remains of a broken build: what it downloaded is kept.
@@ -77,7 +92,7 @@ clear_remains() {
     for partial in "$cache"/root-*.partial; do
         [[ -d $partial ]] || continue
         mkdir -p "$cache/packages"
-        find "$partial/var/cache/apt/archives" -maxdepth 1 -name '*.deb' \
+        "${as_owner[@]}" find "$partial/var/cache/apt/archives" -maxdepth 1 -name '*.deb' \
             -exec mv --target-directory="$cache/packages" {} + 2>/dev/null || true
         remove_unless_in_use "$partial" || { sleep 1 && remove_unless_in_use "$partial"; } || true
     done
@@ -93,19 +108,17 @@ remove_other_roots() {  # the root to keep
 # Every command started in a root holds a shared lock on it; what is in use goes another time. It also
 # fails where a process that was just killed still writes.
 remove_unless_in_use() {  # folder
-    flock --exclusive --nonblock "$1" rm -rf --one-file-system "$1" 2>/dev/null
+    flock --exclusive --nonblock "$1" "${as_owner[@]}" rm -rf --one-file-system "$1" 2>/dev/null
 }
 
-# Runs as the process that it replaces. As root, mmdebstrap gets its own mounts and process ids, so
-# that killing it leaves neither mounts nor processes, and dies with the start that it belongs to.
+# Runs as the process that it replaces. mmdebstrap gets its own mounts and process ids, so that
+# killing it leaves neither mounts nor processes, and dies with the start that it belongs to.
 start_mmdebstrap() {  # folder to make
-    local folder=$1 alone=() sources
+    local folder=$1 alone sources
     mapfile -t sources < <(debian_sources)
-    if ((UID == 0)); then
-        alone=(setpriv --pdeathsig KILL unshare --mount --pid --mount-proc --fork --kill-child)
-    fi
+    alone=(setpriv --pdeathsig KILL "${as_owner[@]:-unshare}" --mount --pid --mount-proc --fork --kill-child)
     # shellcheck disable=SC2016
-    exec "${alone[@]}" mmdebstrap --verbose --variant=apt --format=directory \
+    exec "${alone[@]}" mmdebstrap --mode=root --verbose --variant=apt --format=directory \
         --include="$(packages | paste -sd,)" \
         --aptopt="$(apt_settings)" \
         --setup-hook='mkdir -p "$1/var/cache/apt/archives"' \
@@ -115,7 +128,7 @@ start_mmdebstrap() {  # folder to make
         "$suite" "$folder" "${sources[@]}" </dev/null
 }
 
-# One line of apt's for each suite of Debian 13 that the machine has the counterpart of, from the same
+# One line of apt's for each part of the suite that the machine has the counterpart of, from the same
 # mirror; nothing where the machine has no Debian mirror: mmdebstrap then takes its own default.
 debian_sources() {
     local uri index _ suite_here suite_there signed=
@@ -132,6 +145,7 @@ debian_sources() {
             *-updates) suite_there=$suite-updates ;;
             *) suite_there=$suite ;;
         esac
+        [[ $suite_there == unstable* && $suite_there != unstable ]] && continue  # it has neither
         echo "deb $signed$uri $suite_there main"
     done < <(apt-get update --print-uris 2>/dev/null) | sort -u
 }
@@ -150,6 +164,8 @@ is_debian() {  # address, name of the index
 apt_settings() {
     apt-config dump --format '%f "%v";%n' Acquire 2>/dev/null |
         grep -E '^Acquire::(https?::.*|Retries|Check-Date|Check-Valid-Until|ForceIPv[46]) ".+";$' || true
+    # A mirror may lag behind the few days for which these suites' index is valid.
+    case $suite in testing | unstable) echo 'Acquire::Check-Valid-Until "false";' ;; esac
     echo 'Dir::Etc::netrc "/etc/apt/auth.conf"; Dir::Etc::netrcparts "/etc/apt/auth.conf.d";'
 }
 
@@ -159,7 +175,7 @@ need_command() {  # command, its package
     if ((UID != 0)) || ! command -v apt-get >/dev/null; then
         fail 1 "$2 is missing, which the environment with dolfinx needs here; install it: apt-get install $2"
     fi
-    echo "scripts/env: installing $2" >&2
+    echo "$script: installing $2" >&2
     apt_install "$2" || fail 1 "$2 could not be installed; try it by hand: apt-get install $2"
 }
 
@@ -169,9 +185,10 @@ apt_install() {
     "${install[@]}" >/dev/null 2>&1 || { apt-get update --quiet --quiet && "${install[@]}"; } >/dev/null
 }
 
-# The first error names the cause; those after it say what else failed because of it.
+# The first error names the cause; those after it say what else failed because of it. dpkg's other
+# lines are warnings.
 cause_of_failure() {  # log
-    grep --max-count=1 -E '^(E|dpkg): ' "$1" || tail -n 1 "$1"
+    grep --max-count=1 -E '^(E:|dpkg: error) ' "$1" || tail -n 1 "$1"
 }
 
 # mmdebstrap's and apt's many lines: all of them into the log, and on the screen where it stands.
@@ -197,7 +214,7 @@ show_stage() {  # what is being done
     if [[ -t 2 ]]; then
         printf '\r\033[K%s (%s s)' "$1" "$SECONDS" >&2
     else
-        echo "scripts/env: $1 (${SECONDS} s)" >&2
+        echo "$script: $1 (${SECONDS} s)" >&2
     fi
 }
 

@@ -1,4 +1,4 @@
-"""scripts/env: which way it takes, what a command sees inside, and how a root file system is made.
+"""scripts/env and scripts/ccx: which way they take, what a command sees inside, how a root is made.
 
 The making is tested with a `mmdebstrap` of our own on the PATH, which takes a second, counts its
 runs and does as it is told; the entering with the real bubblewrap, into a root that is this system
@@ -21,16 +21,26 @@ PACKAGES = CHECKOUT / "docker" / "apt-packages.txt"
 
 FAKE_MMDEBSTRAP = """#!/bin/bash
 echo run >>"$FAKE/runs"
+printf "%s\\n" "$@" >"$FAKE/arguments"
 folder=${@: -1}
 for argument; do [[ $argument == /*/root-* ]] && folder=$argument; done
 mkdir -p "$folder/usr/bin" "$folder/var/cache/apt/archives"
 for hook; do [[ $hook != --setup-hook=* ]] || sh -c "${hook#*=}" exec "$folder"; done
 ls "$folder/var/cache/apt/archives" >"$FAKE/given"
 touch "$folder/var/cache/apt/archives/made.deb" "$FAKE/begun"
-[[ ! -e $FAKE/fails ]] || { printf "E: %s\\n" "Unable to locate package nonsense" failed; exit 1; }
+[[ ! -e $FAKE/fails ]] || { cat "$FAKE/fails"; exit 1; }
 sleep "$(cat "$FAKE/seconds")"
 rm "$folder"/var/cache/apt/archives/*.deb
 touch "$folder/usr/bin/python3"
+"""
+
+# What mmdebstrap says when a package of the list does not exist
+FAILED_BUILD = """\
+dpkg: regarding .../base-files_13.8_amd64.deb containing base-files, pre-dependency problem:
+dpkg: warning: ignoring pre-dependency problem!
+E: Package 'nonsense' has no installation candidate
+E: apt-get --yes install nonsense failed: process exited with 100
+E: mmdebstrap failed to run
 """
 
 
@@ -106,7 +116,15 @@ def test_root_is_taken_where_python_is_missing(tmp_path):
     ],
 )
 def test_bad_choice_is_one_line_and_status_2(arguments, choice):
-    result = run(*arguments, BILAYER_ENV=choice)
+    assert_refused(run(*arguments, BILAYER_ENV=choice))
+
+
+@pytest.mark.parametrize("suite", ["bookworm", "trixie/..", "--help"])
+def test_bad_suite_is_one_line_and_status_2(suite):
+    assert_refused(run("true", BILAYER_SUITE=suite))
+
+
+def assert_refused(result: subprocess.CompletedProcess[str]) -> None:
     assert result.returncode == 2
     assert is_one_line(result.stderr)
     assert "expected" in result.stderr
@@ -301,9 +319,9 @@ class Machine:
     def takes(self, seconds: float) -> None:
         (self.folder / "seconds").write_text(str(seconds))
 
-    def start(self, *arguments: str) -> subprocess.Popen[str]:
+    def start(self, *arguments: str, script: str = "env") -> subprocess.Popen[str]:
         return subprocess.Popen(
-            [str(self.checkout / "scripts" / "env"), *(arguments or ["true"])],
+            [str(self.checkout / "scripts" / script), *(arguments or ["true"])],
             env=os.environ | self.variables,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -312,8 +330,8 @@ class Machine:
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
 
-    def finish(self, *arguments: str) -> tuple[int, str, str]:
-        return finished(self.start(*arguments))
+    def finish(self, *arguments: str, script: str = "env") -> tuple[int, str, str]:
+        return finished(self.start(*arguments, script=script))
 
     def start_and_wait_until_it_builds(self) -> subprocess.Popen[str]:
         (self.folder / "begun").unlink(missing_ok=True)
@@ -332,6 +350,14 @@ class Machine:
     def roots(self) -> list[str]:
         return sorted(path.name for path in self.cache.glob("root-*"))
 
+    @property
+    def all_roots(self) -> list[Path]:
+        return sorted(self.cache.glob("**/root-*"))
+
+    @property
+    def mmdebstrap_arguments(self) -> list[str]:
+        return (self.folder / "arguments").read_text().splitlines()
+
 
 def finished(process: subprocess.Popen[str]) -> tuple[int, str, str]:
     output, errors = process.communicate(timeout=60)
@@ -348,17 +374,17 @@ def machine(tmp_path: Path) -> Iterator[Machine]:
 def test_the_first_start_builds_and_the_second_does_not(machine):
     status, output, errors = machine.finish()
     assert (status, output) == (0, "entered\n")
-    assert "making a Debian 13 environment" in errors
+    assert "making a Debian trixie environment" in errors
     assert machine.finish() == (0, "entered\n", "")
     assert machine.builds == 1
     assert len(machine.roots) == 1
 
 
 def test_a_failed_build_is_one_last_line_and_leaves_nothing(machine):
-    (machine.folder / "fails").touch()
+    (machine.folder / "fails").write_text(FAILED_BUILD)
     status, output, errors = machine.finish()
     assert (status, output) == (1, "")
-    assert "Unable to locate package nonsense" in errors.splitlines()[-1]
+    assert "failed: E: Package 'nonsense' has no installation" in errors.splitlines()[-1]
     assert machine.roots == []
     (machine.folder / "fails").unlink()
     assert machine.finish()[0] == 0
@@ -465,6 +491,54 @@ def test_rebuild_makes_a_new_root(machine):
     assert not (machine.cache / root / "spoiled").exists()
 
 
+def test_every_suite_keeps_its_root_when_another_is_made(machine):
+    machine.finish()
+    trixie = machine.all_roots
+    machine.variables["BILAYER_SUITE"] = "unstable"
+    machine.finish()
+    both = machine.all_roots
+    assert set(trixie) < set(both)
+    machine.finish("--rebuild")
+    assert machine.all_roots == both
+    machine.variables["BILAYER_SUITE"] = ""
+    machine.finish("--rebuild")
+    assert machine.all_roots == both
+    assert machine.builds == 4
+
+
+def test_only_a_moving_suite_may_have_an_index_past_its_date(machine):
+    ignores_dates = 'Acquire::Check-Valid-Until "false";'
+    machine.command("apt-config", "#!/bin/sh\n")
+    machine.finish()
+    assert ignores_dates not in "".join(machine.mmdebstrap_arguments)
+    machine.variables["BILAYER_SUITE"] = "unstable"
+    machine.finish()
+    assert ignores_dates in "".join(machine.mmdebstrap_arguments)
+
+
+APT_GET = """#!/bin/sh
+cat <<'URIS'
+'http://mirror/debian/dists/bookworm/InRelease' mirror_1 0
+'http://mirror/debian/dists/bookworm-updates/InRelease' mirror_2 0
+'http://mirror/debian-security/dists/bookworm-security/InRelease' mirror_3 0
+'http://elsewhere/linux/debian/dists/bookworm/InRelease' elsewhere_1 0
+URIS
+"""
+
+
+@pytest.mark.parametrize(("suite", "parts"), [
+    ("trixie", ["debian trixie", "debian trixie-updates", "debian-security trixie-security"]),
+    ("unstable", ["debian unstable"]),
+])  # fmt: skip
+def test_the_suite_comes_from_the_mirrors_of_this_machine(machine, suite, parts):
+    machine.command("apt-get", APT_GET)
+    machine.variables["BILAYER_SUITE"] = suite
+    machine.finish()
+    lines = [line for line in machine.mmdebstrap_arguments if line.startswith("deb ")]
+    found = sorted(line.partition("http://mirror/")[2] for line in lines)
+    assert found == sorted(f"{part} main" for part in parts)
+
+
 def test_progress_is_shown_in_milestones(machine):
     script = FAKE_MMDEBSTRAP + (
         'echo "I: running apt-get update..."\n'
@@ -509,6 +583,44 @@ def test_where_no_way_is_open_one_line_says_what_to_install(machine):
     assert (status, output) == (1, "")
     assert is_one_line(errors)
     assert "apt-get install mmdebstrap" in errors
+
+
+@pytest.mark.parametrize("refused", ["bwrap", "unshare"])
+def test_where_namespaces_are_not_allowed_one_line_says_so(machine, refused):
+    machine.command("id", "#!/bin/sh\necho mara\n")
+    machine.command(refused, f"#!/bin/sh\necho '{refused}: Operation not permitted' >&2; exit 1\n")
+    if refused == "unshare" and os.getuid() == 0:
+        pytest.skip("root needs no user namespace")
+    status, output, errors = machine.finish()
+    assert (status, output) == (1, "")
+    assert is_one_line(errors)
+    assert "user namespaces" in errors or "subuids" in errors
+
+
+# ---------------------------------------------------------------- CalculiX
+
+
+def test_the_ccx_of_this_machine_is_taken_and_the_script_never_finds_itself(machine):
+    machine.command("ccx", '#!/bin/sh\necho "$OMP_NUM_THREADS in $PWD:" "$@"; exit 3\n')
+    scripts = machine.checkout / "scripts"
+    machine.variables |= {"PATH": f"{scripts}:{machine.variables['PATH']}", "OMP_NUM_THREADS": ""}
+    status, output, errors = machine.finish("-i", "a deck", script="ccx")
+    assert (status, errors) == (3, "")
+    assert output == f"1 in {Path.cwd()}: -i a deck\n"
+
+
+def test_without_one_a_small_root_of_debian_12_is_made_once(machine):
+    machine.finish()
+    (main_root,) = machine.all_roots
+    status, output, errors = machine.finish("-v", script="ccx")
+    assert (status, output) == (0, "entered\n")
+    assert "scripts/ccx: making a Debian bookworm environment" in errors
+    arguments = machine.mmdebstrap_arguments
+    assert "--include=calculix-ccx" in arguments
+    assert "bookworm" in arguments
+    assert machine.finish("-v", script="ccx") == (0, "entered\n", "")
+    assert machine.builds == 2
+    assert main_root in machine.all_roots
 
 
 def hide_system_commands(machine: Machine, missing: str) -> None:
