@@ -7,7 +7,6 @@ computed on the way to each, at the prestretch `last_prestretch`.
 """
 
 import math
-import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,7 +24,7 @@ from bilayer.settings import settings_to_toml
 from bilayer.shape import ShapeMeasures, measure_shape
 from bilayer.specimen import Specimen
 from bilayer.specimen_file import parse_specimen, specimen_to_toml
-from bilayer.version import __version__
+from bilayer.version import git_commit, own_versions
 
 SCHEMA_VERSION = 1
 FORMAT = "bilayer-shells result"
@@ -251,21 +250,6 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> ND
         reached["position"].sel(prestretch=prestretch, method="nearest").values
     )
     return shape
-
-
-def own_versions() -> dict[str, str]:
-    """Versions of this package and of those that every result needs."""
-    return {"bilayer-shells": __version__, "numpy": np.__version__, "xarray": xr.__version__}
-
-
-def git_commit() -> str:
-    """Return the commit of the checkout that holds this package, or an empty text."""
-    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
-    try:
-        found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
-    except (OSError, subprocess.SubprocessError):
-        return ""
-    return found.stdout.strip()
 
 
 def _coordinates(specimen: Specimen) -> dict[str, Any]:

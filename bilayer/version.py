@@ -1,3 +1,43 @@
-"""The version of this package, in one place."""
+"""What made a result: the version of this package, its commit, and what computes for it."""
+
+import importlib.metadata
+import platform
+import subprocess
+from pathlib import Path
 
 __version__ = "0.1.0"
+
+COMMIT_FILE = Path(__file__).with_name("COMMIT")
+"""Written where the package is installed without its repository, as in the Docker image."""
+
+
+def git_commit() -> str:
+    """Return the commit of the checkout that holds this package, or an empty text.
+
+    An installed package has no checkout; it may have been told its commit when it was built.
+    """
+    if COMMIT_FILE.exists():
+        return COMMIT_FILE.read_text().strip()
+    checkout = Path(__file__).parents[1]
+    if not (checkout / ".git").exists():  # another project's repository may be further up
+        return ""
+    command = ["git", "-C", str(checkout), "describe", "--always", "--dirty"]
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return found.stdout.strip()
+
+
+def own_versions() -> dict[str, str]:
+    """Versions of this package and of what every result needs, as installed."""
+    return {"bilayer-shells": __version__, "python": platform.python_version()} | {
+        name: found for name in ("numpy", "xarray", "gmsh") if (found := _installed(name))
+    }
+
+
+def _installed(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return ""

@@ -1,0 +1,69 @@
+"""What a result says of what made it: the commit and the versions."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import pytest
+
+from bilayer.version import git_commit, own_versions
+
+MODULE = Path(__file__).parents[2] / "bilayer" / "version.py"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """The module alone, in a checkout of its own."""
+    (tmp_path / "bilayer").mkdir()
+    shutil.copy(MODULE, tmp_path / "bilayer")
+    return tmp_path / "bilayer"
+
+
+def commit_of(package: Path) -> str:
+    code = f"import runpy; print(runpy.run_path('{package}/version.py')['git_commit']())"
+    command = [sys.executable, "-c", code]
+    return subprocess.run(
+        command, cwd=package, capture_output=True, text=True, check=True
+    ).stdout.strip()
+
+
+def make_repository(folder: Path) -> str:
+    git = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b"]
+    subprocess.run([*git, "init", "--quiet"], check=True)
+    subprocess.run([*git, "add", "."], check=True)
+    subprocess.run([*git, "commit", "--quiet", "--message", "all"], check=True)
+    command = [*git, "describe", "--always", "--dirty"]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def test_commit_of_a_checkout_and_whether_it_was_edited(package):
+    commit = make_repository(package.parent)
+    assert len(commit) >= 7
+    assert commit_of(package) == commit
+    with (package / "version.py").open("a") as module:
+        module.write("# edited\n")
+    assert commit_of(package) == f"{commit}-dirty"
+
+
+def test_an_installed_package_has_the_commit_that_it_was_told(package):
+    assert commit_of(package) == ""
+    (package / "COMMIT").write_text("3bc4fe7\n")
+    assert commit_of(package) == "3bc4fe7"
+
+
+def test_another_projects_repository_is_not_taken(package):
+    installed = package.parent / "site-packages" / "bilayer"
+    shutil.copytree(package, installed)
+    make_repository(package.parent)
+    assert commit_of(installed) == ""
+
+
+def test_versions_of_what_computes():
+    versions = own_versions()
+    assert versions["numpy"] == np.__version__
+    assert versions["gmsh"].startswith(gmsh.__version__)
+    assert versions["python"] == ".".join(map(str, sys.version_info[:3]))
+    assert set(git_commit()) <= set("0123456789abcdefghijklmnopqrstuvwxyz-.")
