@@ -1,0 +1,165 @@
+"""What CalculiX makes of deck.inp: deck.frd (shapes), deck.sta (increments), deck.cvg (iterations).
+
+The .frd file has fixed columns: a node's line is ' -1', its number in 10 columns and values in 12
+columns each, which touch each other.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+
+Array = NDArray[np.float64]
+
+VERSION = "    1UVERSION"
+NODES, DISPLACEMENT, BLOCK_END, FILE_END = "    2C", " -4  DISP", " -3", " 9999"
+VALUE_COLUMNS = [(13 + 12 * k, 25 + 12 * k) for k in range(3)]
+
+
+@dataclass(frozen=True, eq=False)
+class Frd:
+    """The nodes of a .frd file and the last displacements in it.
+
+    Parameters
+    ----------
+    points : (k, 3) array of float
+        Coordinates by ascending node number, in the deck's unit.
+    displacements : (k, 3) array of float
+        Of the same nodes; NaN where the file holds none.
+    version : str
+        Of CalculiX.
+    is_whole : bool
+        Whether the file has its end mark, which CalculiX writes after a step that it finished.
+    """
+
+    points: Array
+    displacements: Array
+    version: str
+    is_whole: bool
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """How a run of one step went.
+
+    Parameters
+    ----------
+    reached : float
+        Step time after the last increment that converged, of 1.
+    increments : int
+        Number of increments that converged.
+    failed_increment : int or None
+        Number of the one at which the program gave up.
+    iterations : int
+        Newton iterations in all, those of failed attempts included.
+    residual : float
+        Largest residual force after the last iteration, relative to the average force.
+    """
+
+    reached: float
+    increments: int
+    failed_increment: int | None
+    iterations: int
+    residual: float
+
+
+def read_frd(path: str | Path) -> Frd:
+    """Read a result file in the ASCII format (.frd).
+
+    Raises
+    ------
+    InputError
+        The file is missing, or is none of CalculiX's, or ends within its numbers.
+    """
+    lines = _lines(path)
+    starts = [index for index, line in enumerate(lines) if line.startswith(NODES)]
+    if not starts:
+        raise InputError(f"frd file {path}: holds no nodes, expected a result of CalculiX")
+    numbers, points = _block(path, lines, starts[0])
+    displacements = np.full_like(points, np.nan)
+    fields = [index for index, line in enumerate(lines) if line.startswith(DISPLACEMENT)]
+    if fields:
+        found, values = _block(path, lines, fields[-1])
+        if not np.array_equal(found, numbers):
+            raise InputError(
+                f"frd file {path}: displacements of {len(found)} nodes, expected those of all "
+                f"{len(numbers)}"
+            )
+        displacements = values
+    version = next(
+        (line[11:].split()[-1] for line in lines if line.startswith("    1UVERSION")), ""
+    )
+    return Frd(points, displacements, version, lines[-1].startswith(FILE_END))
+
+
+def _block(path: str | Path, lines: Sequence[str], start: int) -> tuple[NDArray[np.int64], Array]:
+    """Node numbers and three values each of the block that begins at a line."""
+    end = next((k for k in range(start, len(lines)) if lines[k].startswith(BLOCK_END)), None)
+    if end is None:
+        raise InputError(
+            f"frd file {path}: ends at line {len(lines)}, within its numbers: cut off?"
+        )
+    rows = [line for line in lines[start + 1 : end] if line.startswith(" -1")]
+    try:
+        numbers = np.array([int(row[3:13]) for row in rows])
+        values = np.array([[float(row[a:b]) for a, b in VALUE_COLUMNS] for row in rows])
+    except ValueError as error:
+        raise InputError(
+            f"frd file {path}: the block at line {start + 1} is not of node numbers and three "
+            f"values each ({error})"
+        ) from error
+    return numbers, values.reshape(-1, 3)
+
+
+def read_convergence(path: str | Path) -> Convergence:
+    """Read the .sta and .cvg files beside a .frd file.
+
+    Raises
+    ------
+    InputError
+        One is missing, or is none of CalculiX's.
+    """
+    status, iterations = Path(path).with_suffix(".sta"), Path(path).with_suffix(".cvg")
+    increments = list(_rows(status, columns=7))
+    steps = list(_rows(iterations, columns=9))
+    failed = [row for row in increments if row[2].endswith("U")]
+    converged = [row for row in increments if not row[2].endswith("U")]
+    try:
+        return Convergence(
+            float(converged[-1][5]) if converged else 0.0,
+            len(converged),
+            int(failed[-1][1]) if failed else None,
+            len(steps),
+            float(steps[-1][5]) / 100 if steps else np.nan,  # given in per cent
+        )
+    except ValueError as error:
+        raise InputError(f"{status}, {iterations}: not CalculiX's ({error})") from error
+
+
+def _rows(path: Path, columns: int) -> Iterator[list[str]]:
+    """Yield the lines of a table that begin with a number."""
+    for line in _lines(path):
+        words = line.split()
+        if words and words[0].isdigit():
+            if len(words) != columns:
+                raise InputError(
+                    f"{path}: a line of {len(words)} columns ({line.strip()!r}), expected {columns}"
+                )
+            yield words
+
+
+def _lines(path: str | Path) -> list[str]:
+    try:
+        lines = Path(path).read_text(encoding="latin-1").splitlines()
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}), expected CalculiX's .frd file with the "
+            ".sta and .cvg files beside it"
+        ) from error
+    if not lines:
+        raise InputError(f"{path}: is empty, expected what CalculiX wrote")
+    return lines
