@@ -4,6 +4,9 @@ import argparse
 from collections.abc import Callable
 from typing import Any, NoReturn
 
+from bilayer.errors import InputError
+from bilayer.mesh_generation import generate_mesh
+from bilayer.planar_mesh import PlanarMesh, read_planar_mesh
 from bilayer.specimen import Specimen
 from bilayer.specimen_file import read_specimen
 
@@ -48,8 +51,43 @@ def add_specimen_arguments(verb: Parser) -> None:
     )  # fmt: skip
 
 
+def add_case_arguments(verb: Parser) -> None:
+    """Add which of the specimen's prestretches are meant, and on which mesh."""
+    verb.add_argument(
+        "--prestretch", nargs="+", metavar="L",
+        help="milestones instead of the file's; L, or LX,LY for two directions",
+    )  # fmt: skip
+    verb.add_argument("--mesh", metavar="FILE", help="a planar mesh instead of a generated one")
+
+
 def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
     """Read the specimen of the command line, some of its values replaced."""
     if options.mesh_size is not None:
         overrides = [*overrides, f"mesh.size={options.mesh_size}"]
-    return read_specimen(options.specimen, overrides)
+    specimen = read_specimen(options.specimen, overrides)
+    if getattr(options, "prestretch", None) is None:
+        return specimen
+    return specimen.with_milestones([_milestone(word) for word in options.prestretch])
+
+
+def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
+    """Return the mesh of the command line, as large as the specimen, or a generated one."""
+    if options.mesh is None:
+        return generate_mesh(specimen)
+    mesh = read_planar_mesh(options.mesh)
+    radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
+    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
+        raise InputError(
+            f"mesh file {options.mesh}: its outermost node lies at {radius:g} m, expected "
+            f"specimen.outer_radius = {specimen.outer_radius} m"
+        )
+    return mesh
+
+
+def _milestone(word: str) -> Any:
+    """Read L or LX,LY."""
+    try:
+        numbers = tuple(float(part) for part in word.split(","))
+    except ValueError:
+        raise InputError(f"--prestretch {word}: expected a number, or two as LX,LY") from None
+    return numbers[0] if len(numbers) == 1 else numbers

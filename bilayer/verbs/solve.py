@@ -5,17 +5,20 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bilayer.errors import InputError
 from bilayer.output_file import check_writable
-from bilayer.planar_mesh import PlanarMesh, read_planar_mesh
 from bilayer.progress import progress_bar
 from bilayer.ranks import is_first_rank, join_mpi
 from bilayer.report import result_table
 from bilayer.result import open_result, write_result
 from bilayer.settings import describe, settings_from, split_solver_settings
 from bilayer.solvers import SOLVERS, settings_kind, solve, solver_package
-from bilayer.specimen import Specimen
-from bilayer.verbs.parser import add_specimen_arguments, add_verb, specimen_of
+from bilayer.verbs.parser import (
+    add_case_arguments,
+    add_specimen_arguments,
+    add_verb,
+    mesh_of,
+    specimen_of,
+)
 
 
 def add(verbs: Any) -> None:
@@ -29,11 +32,7 @@ def add(verbs: Any) -> None:
     verb.add_argument("--solver", required=True, choices=list(SOLVERS))
     verb.add_argument("--model", help="one of the solver's models, listed below")
     verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
-    verb.add_argument(
-        "--prestretch", nargs="+", metavar="L",
-        help="milestones instead of the file's; L, or LX,LY for two directions",
-    )  # fmt: skip
-    verb.add_argument("--mesh", metavar="FILE", help="a planar mesh instead of a generated one")
+    add_case_arguments(verb)
     verb.add_argument(
         "--start", metavar="FILE.nc", help="a result on the same mesh whose shape starts the run"
     )
@@ -49,10 +48,8 @@ def run(options: argparse.Namespace) -> int:
     check_writable(Path(options.output))
     values, overrides = split_solver_settings(options.overrides)
     specimen = specimen_of(options, overrides)
-    if options.prestretch is not None:
-        specimen = specimen.with_milestones([_milestone(word) for word in options.prestretch])
     settings: Any = settings_from(settings_kind(options.solver, options.model), values)
-    mesh = None if options.mesh is None else _mesh_of(specimen, options.mesh)
+    mesh = None if options.mesh is None else mesh_of(options, specimen)
     start = None if options.start is None else open_result(options.start)
     if options.verbose and first:
         print(settings, file=sys.stderr)
@@ -73,27 +70,6 @@ def _describe_settings() -> str:
         for model, kind in solver_package(name).MODELS.items():
             lines += [f"\n--solver {name} --model {model}", describe(kind)]
     return "\n".join(lines)
-
-
-def _milestone(word: str) -> Any:
-    """Read L or LX,LY."""
-    try:
-        numbers = tuple(float(part) for part in word.split(","))
-    except ValueError:
-        raise InputError(f"--prestretch {word}: expected a number, or two as LX,LY") from None
-    return numbers[0] if len(numbers) == 1 else numbers
-
-
-def _mesh_of(specimen: Specimen, path: str) -> PlanarMesh:
-    """Read a mesh and check that it is as large as the specimen."""
-    mesh = read_planar_mesh(path)
-    radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
-    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
-        raise InputError(
-            f"mesh file {path}: its outermost node lies at {radius:g} m, expected "
-            f"specimen.outer_radius = {specimen.outer_radius} m"
-        )
-    return mesh
 
 
 def _status_of(result: Any, settings: Any, told: bool) -> int:
