@@ -9,6 +9,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from bilayer.errors import InputError
+from fenics_model.tangent import ExtrapolatedTangent
 
 PREFIX = "bilayer_"
 DEFAULT_OPTIONS = {
@@ -93,8 +94,10 @@ class Newton:
 
     Parameters
     ----------
-    residual, tangent : dolfinx.fem.Form
+    residual : dolfinx.fem.Form
         Of a symmetric problem.
+    tangent : ExtrapolatedTangent
+        Its derivative.
     state : dolfinx.fem.Function
         The unknown: initial guess before, solution after.
     held : sequence of dolfinx.fem.DirichletBC
@@ -108,17 +111,17 @@ class Newton:
     def __init__(
         self,
         residual: fem.Form,
-        tangent: fem.Form,
+        tangent: ExtrapolatedTangent,
         state: fem.Function,
         held: Sequence[fem.DirichletBC],
         *,
         iteration_limit: int = 20,
         options: str = "",
     ) -> None:
-        self._residual_form, self._tangent_form = residual, tangent
+        self._residual_form, self._extrapolated = residual, tangent
         self.state, self._held = state, list(held)
         self._x, self._r = (_vector_of(state) for _ in range(2))
-        self.matrix = fem_petsc.create_matrix(tangent)
+        self.matrix = fem_petsc.create_matrix(tangent.form)
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
         self.snes = PETSc.SNES().create(state.function_space.mesh.comm)
@@ -142,6 +145,7 @@ class Newton:
         Where that fails the state is where the iteration left it.
         """
         self._apply_held()
+        self._extrapolated.forget()
         self.snes.setTolerances(atol=tolerance)
         self._x.array[:] = self.state.x.array[: self._x.local_size]
         with self._in_force():  # MUMPS reads its own when it first factorises
@@ -166,6 +170,7 @@ class Newton:
     def factorise(self) -> PETSc.PC:
         """Factorise the tangent of the present state and return what holds the factors."""
         self._apply_held()
+        self._extrapolated.forget()
         self._x.array[:] = self.state.x.array[: self._x.local_size]
         self._tangent(self.snes, self._x, self.matrix, self.matrix)
         solver = self.snes.getKSP()
@@ -252,7 +257,8 @@ class Newton:
     def _tangent(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         self._set_state(x)
         P.zeroEntries()
-        fem_petsc.assemble_matrix(P, self._tangent_form, self._held)
+        self._extrapolated.advance()
+        fem_petsc.assemble_matrix(P, self._extrapolated.form, self._held)
         P.assemble()
         if self._viscosity is not None:
             same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN

@@ -17,6 +17,7 @@ from bilayer.planar_mesh import PlanarMesh
 from fenics_model.jit import JIT_OPTIONS
 from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.solid import Solid
+from fenics_model.strain_energy import stress
 
 _EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
 
@@ -120,21 +121,17 @@ def _normals_and_stretch(
 def _set_plane_stress(solid: Solid) -> None:
     """Set each layer's pressure so that the fibre's own traction vanishes, averaged at vertices.
 
-    The stress is linear in the pressure, P = P0 + p P1; along the fibre g = grad(x) e_z the
-    condition g . P e_z = 0 gives p = -(g . P0 e_z) / (g . P1 e_z).
+    The stress is linear in the pressure, S = S0 + p S1; with the fibre g = F e_z, P = F S, the
+    condition g . P e_z = 0 gives p = -(g . F S0 e_z) / (g . F S1 e_z).
     """
     weights = ufl.TestFunctions(solid.space)[1:]
+    F = solid.gradient
     sums = [0, 0]
     for index, (layer, weight) in enumerate(zip(solid.layers, weights, strict=True)):
-        gradient = ufl.variable(solid.gradient)
-        fibre = gradient[:, 2]
-        tractions = [
-            ufl.dot(
-                fibre, ufl.diff(layer.energy.density(gradient, layer.natural, p), gradient)[:, 2]
-            )
-            for p in (0, 1)
-        ]
-        pressure = -tractions[0] / (tractions[1] - tractions[0]) / solid.pressure_scale
+        without, with_one = (
+            ufl.dot(F[:, 2], (F * stress(layer.energy, F, layer.natural, p))[:, 2]) for p in (0, 1)
+        )
+        pressure = -without / (with_one - without) / solid.pressure_scale
         sums[0] += pressure * weight * solid.dx(index)
         sums[1] += weight * solid.dx(index)
     summed, weighed = (_assembled(form) for form in sums)

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from fenics_model.jit import JIT_OPTIONS
 from fenics_model.layered_mesh import LayeredMesh
-from fenics_model.strain_energy import StrainEnergy
+from fenics_model.strain_energy import StrainEnergy, stress
+from fenics_model.tangent import ExtrapolatedTangent
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,10 @@ class Solid:
         Of displacement and pressures.
     state : dolfinx.fem.Function
         The unknown.
-    residual, tangent : dolfinx.fem.Form
-        First and second derivative of the potential energy.
+    residual : dolfinx.fem.Form
+        First derivative of the potential energy.
+    tangent : ExtrapolatedTangent
+        Its second derivative.
     displacement, gradient, pressures : UFL expressions
         u, grad(x) = I + grad(u), and p of each layer.
     dx : UFL measure
@@ -97,14 +100,23 @@ class Solid:
         self._layer_energies = [self._form(density) for density in self._stored()]
         residual = ufl.derivative(self._potential(), self.state, ufl.TestFunction(self.space))
         self.residual = self._form(residual)
-        self.tangent = self._form(
-            ufl.derivative(residual, self.state, ufl.TrialFunction(self.space))
+        self.tangent = ExtrapolatedTangent(
+            self.state,
+            ufl.derivative(residual, self.state, ufl.TrialFunction(self.space)),
+            [
+                (stress(layer.energy, self.gradient, layer.natural, pressure), self.dx(i))
+                for i, (layer, pressure) in self._layers_with_pressure()
+            ],
         )
 
+    def _layers_with_pressure(self) -> list[tuple[int, tuple[SolidLayer, Any]]]:
+        return list(enumerate(zip(self.layers, self.pressures, strict=True)))
+
     def _stored(self) -> list[Any]:
+        C, J = self.gradient.T * self.gradient, ufl.det(self.gradient)
         return [
-            layer.energy.density(self.gradient, layer.natural, pressure) * self.dx(i)
-            for i, (layer, pressure) in enumerate(zip(self.layers, self.pressures, strict=True))
+            layer.energy.density(C, J, layer.natural, pressure) * self.dx(i)
+            for i, (layer, pressure) in self._layers_with_pressure()
         ]
 
     def _potential(self) -> Any:

@@ -1,9 +1,9 @@
 """Strain energies in UFL: a material is its energy, stresses follow by differentiation.
 
-Each law gives the energy per volume of the mesh from the mesh's own gradient grad(x), the natural
-state and the pressure. The natural state is a diagonal G = diag(lx, ly, s): the elastic gradient
-is Fe = grad(x) G, and det G volumes of mesh hold one natural volume. The bonded flat state is
-grad(x) = diag(1, 1, 1 / det G).
+Each law gives the energy per volume of the mesh from the mesh's own C = grad(x)^T grad(x) and
+J = det grad(x), the natural state and the pressure. The natural state is a diagonal
+G = diag(lx, ly, s): the elastic gradient is Fe = grad(x) G, and det G volumes of mesh hold one
+natural volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
 
 The energies are mixed: p is an unknown of its own, whose stationarity gives p = U'(J) (or
 p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
@@ -21,13 +21,15 @@ from bilayer.material import Law, LinearElastic, MooneyRivlin
 class StrainEnergy(Protocol):
     """What the solid asks of a material."""
 
-    def density(self, gradient: Any, natural: Any, pressure: Any) -> Any:
+    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh, J/m3, as a UFL expression.
 
         Parameters
         ----------
-        gradient : UFL tensor (3, 3)
-            grad(x), the deformation of the mesh.
+        C : UFL tensor (3, 3)
+            grad(x)^T grad(x), the deformation of the mesh without its rotation.
+        J : UFL scalar
+            det grad(x), which tells an inverted element from its mirror image.
         natural : UFL vector (3,)
             (lx, ly, s), see the module.
         pressure : UFL scalar
@@ -48,16 +50,14 @@ class MooneyRivlinEnergy:
     c01: Any
     d1: Any
 
-    def density(self, gradient: Any, natural: Any, pressure: Any) -> Any:
+    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
         G = ufl.diag(natural)
-        Fe = gradient * G
-        C = Fe.T * Fe
-        J = ufl.det(Fe)
-        I1 = ufl.tr(C)
-        I2 = (I1**2 - ufl.tr(C * C)) / 2
-        isochoric = self.c10 * (J ** (-2 / 3) * I1 - 3) + self.c01 * (J ** (-4 / 3) * I2 - 3)
-        volumetric = pressure * (J - 1) - pressure**2 * self.d1 / 4
+        Ce, Je = G * C * G, J * ufl.det(G)
+        I1 = ufl.tr(Ce)
+        I2 = (I1**2 - ufl.tr(Ce * Ce)) / 2
+        isochoric = self.c10 * (Je ** (-2 / 3) * I1 - 3) + self.c01 * (Je ** (-4 / 3) * I2 - 3)
+        volumetric = pressure * (Je - 1) - pressure**2 * self.d1 / 4
         return (isochoric + volumetric) / ufl.det(G)
 
 
@@ -80,11 +80,13 @@ class LinearEnergy:
     shear_modulus: Any
     compliance: Any
 
-    def density(self, gradient: Any, natural: Any, pressure: Any) -> Any:
+    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
         thinning = 1 / (natural[0] * natural[1] * natural[2])
-        F = gradient * ufl.diag(ufl.as_vector((1, 1, 1 / thinning)))
-        strain = (F.T * F - ufl.Identity(3)) / 2 + ufl.diag(self._initial_strain(natural))
+        thinned = ufl.diag(ufl.as_vector((1, 1, 1 / thinning)))
+        strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + ufl.diag(
+            self._initial_strain(natural)
+        )
         deviator = ufl.dev(strain)
         shear = self.shear_modulus * ufl.inner(deviator, deviator)
         bulk = pressure * ufl.tr(strain) - pressure**2 * self.compliance / 2
@@ -95,6 +97,15 @@ class LinearEnergy:
         poisson = (3 - 2 * ratio) / (6 + 2 * ratio)
         in_plane = natural[0] - 1, natural[1] - 1
         return ufl.as_vector((*in_plane, -poisson / (1 - poisson) * sum(in_plane)))
+
+
+def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> Any:
+    """Second Piola-Kirchhoff stress of a law, with the mesh as reference, Pa, as a UFL tensor.
+
+    S = 2 dW/dC; its rows and columns are along the mesh's axes whatever the rotation.
+    """
+    C = ufl.variable(gradient.T * gradient)
+    return 2 * ufl.diff(energy.density(C, ufl.sqrt(ufl.det(C)), natural, pressure), C)
 
 
 @singledispatch

@@ -91,4 +91,7 @@ def stress(solid, layer=0):
     """First Piola-Kirchhoff stress per area of the mesh, as a UFL tensor."""
     gradient = ufl.variable(solid.gradient)
     part = solid.layers[layer]
-    return ufl.diff(part.energy.density(gradient, part.natural, solid.pressures[layer]), gradient)
+    energy = part.energy.density(
+        gradient.T * gradient, ufl.det(gradient), part.natural, solid.pressures[layer]
+    )
+    return ufl.diff(energy, gradient)
