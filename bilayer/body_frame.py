@@ -72,7 +72,7 @@ def _plane_normal(centred: Array) -> Array:
 def _apex_side(normal: Array, surface: Surface, origin: Array, rim: Array) -> float:
     """+1 where the normal points to the side of the rim's plane on which the body lies, else -1.
 
-    A flat body lies on neither; there the side of the kirigami layer is taken.
+    A flat body lies on neither; there its own upper side is taken.
     """
     height = normal @ (surface.centroid - origin)
     radius = np.sqrt(np.mean(np.sum((rim - origin) ** 2, axis=1)))

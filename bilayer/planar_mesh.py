@@ -4,6 +4,7 @@ The shell uses it as it is, the finite-element model extrudes it, so that two re
 their models and not by their meshes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +15,11 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh_file import read_mesh_file, write_mesh_file
+from bilayer.mesh_validity import check_points, check_region, check_sheet
+from bilayer.specimen import BARE, KIRIGAMI
 
-BARE, KIRIGAMI = 0, 1
+FLATNESS = 1e-9
+"""Range of z that a planar mesh in space may have, over its extent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +38,7 @@ class PlanarMesh:
     Raises
     ------
     InputError
-        Shapes or indices do not fit, a triangle is flat or clockwise, or a node has no triangle.
+        Shapes or indices do not fit, or it is no single sheet; see `bilayer.mesh_validity`.
     """
 
     points: NDArray[np.float64]
@@ -42,20 +46,12 @@ class PlanarMesh:
     region: NDArray[np.int64]
 
     def __post_init__(self) -> None:
+        check_region(self.region, (BARE, KIRIGAMI))  # as given, before it becomes whole numbers
         for name, kind in (("points", np.float64), ("triangles", np.int64), ("region", np.int64)):
             object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=kind))
         self._check_shapes()
-        used = np.unique(self.triangles)
-        if len(used) != len(self.points) or (len(used) and used[0] != 0):
-            raise InputError(
-                f"triangles use {len(used)} of {len(self.points)} points: expected all of them"
-            )
-        if np.any(self.areas <= 0):
-            worst = int(np.argmin(self.areas))
-            raise InputError(
-                f"triangle {worst} has area {self.areas[worst]:.3g} m2: expected more than 0 "
-                "(counterclockwise nodes)"
-            )
+        check_points(self.points)
+        check_sheet(self.points, self.triangles)
 
     def _check_shapes(self) -> None:
         expected = {
@@ -66,12 +62,6 @@ class PlanarMesh:
         for name, (array, shape) in expected.items():
             if array.shape != shape or 0 in shape:
                 raise InputError(f"{name} has shape {array.shape}: expected {shape}, not empty")
-        if not np.all(np.isfinite(self.points)):
-            raise InputError("points are not all finite numbers: expected coordinates in m")
-        if self.triangles.min() < 0 or self.triangles.max() >= len(self.points):
-            raise InputError(f"triangles name a node outside 0..{len(self.points) - 1}")
-        if not np.all(np.isin(self.region, (BARE, KIRIGAMI))):
-            raise InputError(f"region has values {np.unique(self.region)}: expected 0 and 1")
 
     @cached_property
     def areas(self) -> NDArray[np.float64]:
@@ -96,13 +86,6 @@ class PlanarMesh:
         return np.unique(self.boundary_edges)
 
     @cached_property
-    def kirigami_nodes(self) -> NDArray[np.bool_]:
-        """True for nodes of at least one kirigami triangle, shape (n,)."""
-        covered = np.zeros(len(self.points), dtype=bool)
-        covered[self.triangles[self.region == KIRIGAMI]] = True
-        return covered
-
-    @cached_property
     def centre_node(self) -> int:
         """The node nearest to the origin."""
         return int(np.argmin(np.einsum("ij,ij->i", self.points, self.points)))
@@ -111,6 +94,10 @@ class PlanarMesh:
     def _corner_pairs(self) -> NDArray[np.int64]:
         t = self.triangles
         return np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+
+    def faces_in(self, regions: Sequence[int]) -> NDArray[np.int64]:
+        """Triangles of some regions, ascending; those that a layer covers are in its `regions`."""
+        return np.flatnonzero(np.isin(self.region, regions))
 
     def same_as(self, other: "PlanarMesh") -> bool:
         """Whether the other mesh has the same nodes, triangles and regions (points to 1e-12 m)."""
@@ -145,15 +132,27 @@ def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
 def read_planar_mesh(path: str | Path) -> PlanarMesh:
     """Read a mesh in any format that meshio reads; without a region every triangle is kirigami.
 
+    Nodes of nothing but points and lines, such as a drawing's construction points, are left out.
+
     Raises
     ------
     InputError
-        The file cannot be read, holds no triangles, or they make no valid planar mesh.
+        The file cannot be read, holds other than triangles in a plane z = constant, or they make
+        no valid planar mesh.
     """
     data = read_mesh_file(path)
+    try:
+        return _planar(data)
+    except InputError as error:
+        raise InputError(f"mesh file {path}: {error}") from error
+
+
+def _planar(data: meshio.Mesh) -> PlanarMesh:
     triangles = data.get_cells_type("triangle")
-    if len(triangles) == 0:
-        raise InputError(f"mesh file {path}: holds no triangles, expected a planar mesh of them")
+    others = [block.type for block in data.cells if block.dim > 1 and block.type != "triangle"]
+    if len(triangles) == 0 or others:
+        found = f"{others[0]} cells" if others else "no triangles"
+        raise InputError(f"holds {found}, expected a planar mesh of triangles of 3 nodes")
     region = next(
         (
             data.get_cell_data(name, "triangle")
@@ -162,5 +161,14 @@ def read_planar_mesh(path: str | Path) -> PlanarMesh:
         ),
         np.full(len(triangles), KIRIGAMI),
     )
-    used, renumbered = np.unique(triangles, return_inverse=True)
-    return PlanarMesh(data.points[used, :2], renumbered.reshape(-1, 3), region)
+    drawn = [block.data.ravel() for block in data.cells if block.dim < 2]
+    construction = np.setdiff1d(np.concatenate([np.empty(0, dtype=np.int64), *drawn]), triangles)
+    kept = np.setdiff1d(np.arange(len(data.points)), construction)
+    points = data.points[kept]
+    check_points(points)
+    heights, extent = points[:, 2:], np.ptp(points[:, :2], axis=0).max()
+    if np.ptp(heights, axis=0).max(initial=0.0) > FLATNESS * extent:
+        raise InputError(
+            f"its z goes from {heights.min():g} to {heights.max():g} m, expected a plane"
+        )
+    return PlanarMesh(points[:, :2], np.searchsorted(kept, triangles), region)

@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.result import result_mesh, result_specimen
-from bilayer.specimen import CutPattern, Layer
+from bilayer.specimen import CutPattern, Specimen
 from bilayer.table_text import cells, stretch_text, stretches
 
 
@@ -42,9 +42,7 @@ def provenance(result: xr.Dataset) -> str:
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
         f"specimen    {specimen.name}: radius {1e3 * specimen.outer_radius:g} mm, "
         + ("uncut" if specimen.cut is None else _cut(specimen.cut)),
-        f"substrate   {_layer(specimen.substrate)}, bonded thickness "
-        f"{specimen.prestretch.thickness}",
-        f"kirigami    {_layer(specimen.kirigami)}",
+        *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
         f"versions    {result.attrs['versions']}",
@@ -124,9 +122,16 @@ def _cut(cut: CutPattern) -> str:
     return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
 
 
-def _layer(layer: Layer) -> str:
-    material = layer.material
-    return (
-        f"{1e3 * layer.thickness:g} mm, {type(material).__name__}, "
-        f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
-    )
+def _layers(specimen: Specimen) -> list[str]:
+    """Return a line for each layer, from the bottom up."""
+    lines = []
+    for part in specimen.bonded_layers((1.0, 1.0)):
+        material = part.layer.material
+        line = (
+            f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
+            f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
+        )
+        if part.name in specimen.prestretch.layers:
+            line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
+        lines.append(f"{line}, {'above' if part.is_above else 'below'}")
+    return lines

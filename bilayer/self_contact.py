@@ -1,18 +1,20 @@
 """How near a released body comes to itself, from the skin of its layers.
 
-The skin is the closed surface of the body: substrate below the bonded interface, kirigami above
-it where there is any, walls at the rim and along the cuts. Two places of it can touch only where
-the sheet is bent back onto itself, which is told on the interface, so that a tight curl whose
-inner side is short is not mistaken for contact. docs/measures.md has the definition.
+The skin is the closed surface of the body: the layers' outer sides above and below the bonded
+interface, the interface where one of them is cut out, walls at the rim and along the cuts. Two
+places of it can touch only where the sheet is bent back onto itself, which is told on the
+interface, so that a tight curl whose inner side is short is not mistaken for contact.
+docs/measures.md has the definition.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from bilayer.planar_mesh import BARE, KIRIGAMI, PlanarMesh
+from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
 from bilayer.surface import Surface, flat_surface
 from bilayer.triangle_distance import triangle_distance
@@ -36,6 +38,22 @@ BATCH = 4096
 
 
 @dataclass(frozen=True, eq=False)
+class Sheet:
+    """A layer as the skin knows it.
+
+    Parameters
+    ----------
+    height : float
+        Of its outer side over the interface in the flat bonded state, m, negative below.
+    faces : (k,) array of int
+        Triangles that it covers.
+    """
+
+    height: float
+    faces: Indices
+
+
+@dataclass(frozen=True, eq=False)
 class BondedBody:
     """A flat bilayer as a solid.
 
@@ -43,32 +61,37 @@ class BondedBody:
     ----------
     mesh : PlanarMesh
         The bonded interface.
-    below, above : float
-        Thickness of the bonded substrate, and of the kirigami layer where there is one, m.
+    sheets : sequence of Sheet
+        The layers.
     shrinkage : float
-        Length that the substrate would take if it were free over its bonded length: the largest
-        shortening of the interface that is no bending back.
+        Length that a stretched layer would take if it were free over its bonded length: the
+        largest shortening of the interface that is no bending back.
     """
 
     mesh: PlanarMesh
-    below: float
-    above: float
+    sheets: Sequence[Sheet]
     shrinkage: float = 1.0
 
     @classmethod
     def of(cls, specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]) -> "BondedBody":
         """Return the body that a specimen is when bonded at a prestretch."""
-        return cls(
-            mesh,
-            below=specimen.bonded_thickness(stretch),
-            above=specimen.kirigami.thickness,
-            shrinkage=1 / max(1.0, *stretch),
-        )
+        layers = specimen.bonded_layers(stretch)
+        sheets = [
+            Sheet(part.top if part.is_above else part.bottom, mesh.faces_in(part.regions))
+            for part in layers
+        ]
+        longest = max(max(part.stretch) for part in layers)
+        return cls(mesh, sheets, shrinkage=1 / max(1.0, longest))
+
+    @property
+    def thickness(self) -> float:
+        """Of all layers together, m."""
+        return sum(abs(sheet.height) for sheet in self.sheets)
 
     @property
     def reach(self) -> float:
         """Up to where a gap is measured, m."""
-        return REACH * (self.below + self.above)
+        return REACH * self.thickness
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +121,7 @@ def self_contact_gap(body: BondedBody, position: Array) -> float:
     interface = Surface(np.asarray(position, dtype=np.float64), body.mesh.triangles)
     skin = skin_of(body, interface)
     pairs = _bent_back_pairs(body, interface, skin)
-    touching = TOUCHING * (body.below + body.above)
+    touching = TOUCHING * body.thickness
     nearest = _smallest_distance(skin.surface.corners, pairs, touching, body.reach)
     return 0.0 if nearest <= touching else nearest
 
@@ -106,22 +129,19 @@ def self_contact_gap(body: BondedBody, position: Array) -> float:
 def skin_of(body: BondedBody, interface: Surface) -> Skin:
     """Return the skin of a released body, its triangles turned outward."""
     mesh, n = body.mesh, len(interface.points)
-    bare, kirigami = (np.flatnonzero(mesh.region == region) for region in (BARE, KIRIGAMI))
-    everywhere = np.arange(len(mesh.triangles))
-    sheets = [
-        interface.points + _fibres(mesh, interface, everywhere, -body.below),
-        interface.points,
-        interface.points + _fibres(mesh, interface, kirigami, body.above),
-    ]
-    parts = [
-        (mesh.triangles[:, ::-1], everywhere),
-        (mesh.triangles[bare] + n, bare),
-        (mesh.triangles[kirigami] + 2 * n, kirigami),
-        _walls(mesh, everywhere, lower=0, upper=n),
-        _walls(mesh, kirigami, lower=n, upper=2 * n),
-    ]
+    points, parts = [interface.points], []
+    for number, sheet in enumerate(body.sheets, start=1):
+        points.append(interface.points + _fibres(mesh, interface, sheet.faces, sheet.height))
+        uncovered = np.setdiff1d(np.arange(len(mesh.triangles)), sheet.faces)
+        outward = mesh.triangles if sheet.height > 0 else mesh.triangles[:, ::-1]
+        lower, upper = sorted((0, number * n), reverse=sheet.height < 0)
+        parts += [
+            (outward[sheet.faces] + number * n, sheet.faces),
+            (outward[uncovered], uncovered),
+            _walls(mesh, sheet.faces, lower, upper),
+        ]
     triangles, face = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Skin(Surface(np.concatenate(sheets), triangles), face)
+    return Skin(Surface(np.concatenate(points), triangles), face)
 
 
 def _fibres(mesh: PlanarMesh, interface: Surface, faces: Indices, height: float) -> Array:

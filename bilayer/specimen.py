@@ -1,7 +1,8 @@
-"""The specimen: a flat disc of two bonded layers, what is cut out of one, what stretches the other.
+"""The specimen: a flat disc of two bonded layers, what is cut out of one, what is stretched.
 
-The substrate lies below (z < 0) and is pre-stretched; the kirigami layer lies above (z > 0) and
-is not. z = 0 is the bond. Everything is in SI units and checked when it is made.
+z = 0 is the bond. The substrate is whole; the kirigami layer may be cut and lies above it or below.
+The one or the other or both are pre-stretched. `Specimen.bonded_layers` says what lies where, and
+how stretched: that is all a solver needs. Everything is in SI units and checked when it is made.
 """
 
 import math
@@ -13,6 +14,10 @@ from bilayer.errors import InputError
 from bilayer.material import Law
 from bilayer.validation import not_negative, one_of, positive, whole
 
+LAYERS = ("substrate", "kirigami")
+SIDES = ("above", "below")
+BARE, KIRIGAMI = 0, 1
+"""Regions of the disc: where the kirigami layer is cut out, and where it lies."""
 BONDED_THICKNESS_RULES = ("natural", "constant")
 SMALLEST_STRETCH, LARGEST_STRETCH = 0.1, 10.0
 
@@ -38,6 +43,42 @@ class Layer:
     def __post_init__(self) -> None:
         positive("thickness", self.thickness, "m")
         positive("density", self.density, "kg/m3")
+
+
+@dataclass(frozen=True)
+class BondedLayer:
+    """A layer where it lies in the flat bonded state, and how far that is from its natural one.
+
+    Parameters
+    ----------
+    name : {"substrate", "kirigami"}
+        Which one.
+    layer : Layer
+        What it is made of.
+    bottom, top : float
+        Heights above the bond, m; one of them is 0.
+    stretch : (float, float)
+        (lambda_x, lambda_y) from the natural state.
+    regions : tuple of int
+        Which regions of the disc it covers: `BARE`, `KIRIGAMI`.
+    """
+
+    name: str
+    layer: Layer
+    bottom: float
+    top: float
+    stretch: tuple[float, float]
+    regions: tuple[int, ...]
+
+    @property
+    def thickness(self) -> float:
+        """Thickness as bonded, m."""
+        return self.top - self.bottom
+
+    @property
+    def is_above(self) -> bool:
+        """Whether it lies on the upper side of the bond."""
+        return self.top > 0
 
 
 @dataclass(frozen=True)
@@ -82,7 +123,7 @@ class CutPattern:
 
 @dataclass(frozen=True)
 class Prestretch:
-    """The substrate's prestretch, as a path of milestones, each a shape to be computed.
+    """The prestretch, as a path of milestones, each a shape to be computed.
 
     Parameters
     ----------
@@ -90,12 +131,15 @@ class Prestretch:
         Stretch at each milestone, ascending: one number for an equibiaxial stretch or a pair
         (lambda_x, lambda_y). A pair counts in the order by its larger number.
     thickness : {"natural", "constant"}
-        "natural": the substrate keeps its volume, bonded thickness = natural / (lambda_x lambda_y).
-        "constant": bonded thickness = natural whatever the stretch, the paper's simplification.
+        "natural": a stretched layer keeps its volume, bonded thickness = natural / (lambda_x
+        lambda_y). "constant": `Layer.thickness` whatever the stretch, the paper's simplification.
+    layers : sequence of {"substrate", "kirigami"}
+        Which are stretched, one or both.
     """
 
     milestones: tuple[tuple[float, float], ...]
     thickness: str = "natural"
+    layers: tuple[str, ...] = ("substrate",)
 
     def __post_init__(self) -> None:
         if isinstance(self.milestones, str) or not isinstance(self.milestones, Iterable):
@@ -114,6 +158,7 @@ class Prestretch:
                 )
         object.__setattr__(self, "milestones", pairs)
         one_of("prestretch.thickness", self.thickness, BONDED_THICKNESS_RULES)
+        object.__setattr__(self, "layers", _stretched_layers(self.layers))
 
     @property
     def nominal(self) -> list[float]:
@@ -156,9 +201,9 @@ class Specimen:
     outer_radius : float
         Radius of the bonded disc, m.
     substrate, kirigami : Layer
-        The lower, pre-stretched layer and the upper, unstretched one.
+        The whole layer and the one that may be cut.
     prestretch : Prestretch
-        Milestones of the substrate's prestretch.
+        Milestones, and which of the layers are stretched.
     cut : CutPattern or None
         What is cut out of the kirigami layer; None leaves it whole.
     mesh : MeshSize
@@ -167,6 +212,8 @@ class Specimen:
         Acceleration of the true weight along -z, m/s2.
     name : str
         A label for figures and files.
+    kirigami_side : {"above", "below"}
+        Where the kirigami layer lies, seen from the substrate.
     """
 
     outer_radius: float
@@ -177,10 +224,12 @@ class Specimen:
     mesh: MeshSize = MeshSize()
     gravity: float = 0.0
     name: str = "specimen"
+    kirigami_side: str = "above"
 
     def __post_init__(self) -> None:
         positive("specimen.outer_radius", self.outer_radius, "m")
         not_negative("gravity.acceleration", self.gravity, "m/s2")
+        one_of("kirigami.side", self.kirigami_side, SIDES)
         if self.cut is not None and self.cut.inner_radius >= self.outer_radius:
             raise InputError(
                 f"cut.inner_radius = {self.cut.inner_radius} m: expected less than "
@@ -192,22 +241,44 @@ class Specimen:
                 f"specimen.outer_radius = {self.outer_radius} m"
             )
 
-    def bonded_thickness(self, stretch: tuple[float, float]) -> float:
-        """Thickness of the stretched substrate when it is bonded, m.
+    def bonded_layers(self, stretch: tuple[float, float]) -> tuple[BondedLayer, BondedLayer]:
+        """Return both layers in the flat bonded state, the lower one first.
 
         Parameters
         ----------
         stretch : (float, float)
-            (lambda_x, lambda_y).
+            (lambda_x, lambda_y) of the layers that are stretched.
         """
-        if self.prestretch.thickness == "constant":
-            return self.substrate.thickness
-        return self.substrate.thickness / (stretch[0] * stretch[1])
+        above = self.bonded_layer("kirigami", stretch).is_above
+        names = LAYERS if above else LAYERS[::-1]
+        lower, upper = (self.bonded_layer(name, stretch) for name in names)
+        return lower, upper
+
+    def bonded_layer(self, name: str, stretch: tuple[float, float]) -> BondedLayer:
+        """Return one layer, by its name, in the flat bonded state; see `bonded_layers`."""
+        layer = {"substrate": self.substrate, "kirigami": self.kirigami}[name]
+        own = stretch if name in self.prestretch.layers else (1.0, 1.0)
+        kept = self.prestretch.thickness == "constant"
+        thickness = layer.thickness if kept else layer.thickness / (own[0] * own[1])
+        above = (name == "kirigami") == (self.kirigami_side == "above")
+        bottom, top = (0.0, thickness) if above else (-thickness, 0.0)
+        regions = (BARE, KIRIGAMI) if name == "substrate" else (KIRIGAMI,)
+        return BondedLayer(name, layer, bottom, top, own, regions)
 
     def with_milestones(self, milestones: Sequence[float | tuple[float, float]]) -> "Specimen":
         """Return the same specimen with other prestretches."""
-        path = Prestretch(tuple(milestones), self.prestretch.thickness)  # type: ignore[arg-type]
+        path = replace(self.prestretch, milestones=tuple(milestones))  # type: ignore[arg-type]
         return replace(self, prestretch=path)
+
+
+def _stretched_layers(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names in the order of `LAYERS`."""
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise InputError(f"prestretch.layers = {names!r}: expected a list, such as ['substrate']")
+    given = [one_of("prestretch.layers", name, LAYERS) for name in names]
+    if not given or len(set(given)) < len(given):
+        raise InputError(f"prestretch.layers = {given}: expected one or both, each once")
+    return tuple(name for name in LAYERS if name in given)
 
 
 def _stretch_pair(milestone: float | Sequence[float]) -> tuple[float, float]:

@@ -34,8 +34,8 @@ TABLES: dict[str, tuple[str, ...]] = {
     "specimen": ("name", "outer_radius"),
     "cut": ("strips", "inner_radius", "cutout_angle"),
     "substrate": _LAYER,
-    "kirigami": _LAYER,
-    "prestretch": ("milestones", "thickness"),
+    "kirigami": (*_LAYER, "side"),
+    "prestretch": ("milestones", "layers", "thickness"),
     "gravity": ("acceleration",),
     "mesh": ("size", "corner_size"),
 }
@@ -126,6 +126,8 @@ def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:
         for key in content:
             _check_known(table, key)
     cut = data.get("cut")
+    kirigami = dict(data.get("kirigami", {}))
+    side = kirigami.pop("side", "above")
     name = data.get("specimen", {}).get("name", "specimen")
     if not isinstance(name, str):
         raise InputError(f"specimen.name = {name!r}: expected a text")
@@ -134,13 +136,18 @@ def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:
         outer_radius=_required(data, "specimen", "outer_radius"),
         cut=None if cut is None else _cut(data),
         substrate=_layer("substrate", data.get("substrate", {})),
-        kirigami=_layer("kirigami", data.get("kirigami", {})),
+        kirigami=_layer("kirigami", kirigami),
         prestretch=Prestretch(
             milestones=_required(data, "prestretch", "milestones"),
-            thickness=data["prestretch"].get("thickness", "natural"),
+            **{
+                key: data["prestretch"][key]
+                for key in ("thickness", "layers")
+                if key in data["prestretch"]
+            },
         ),
         gravity=data.get("gravity", {}).get("acceleration", 0.0),
         mesh=MeshSize(**data.get("mesh", {})),
+        kirigami_side=side,
     )
 
 
@@ -155,9 +162,10 @@ def specimen_to_toml(specimen: Specimen) -> str:
     if specimen.cut is not None:
         tables["cut"] = {key: getattr(specimen.cut, key) for key in TABLES["cut"]}
     tables["substrate"] = _layer_table(specimen.substrate)
-    tables["kirigami"] = _layer_table(specimen.kirigami)
+    tables["kirigami"] = _layer_table(specimen.kirigami) | {"side": specimen.kirigami_side}
     tables["prestretch"] = {
         "milestones": [x if x == y else [x, y] for x, y in specimen.prestretch.milestones],
+        "layers": list(specimen.prestretch.layers),
         "thickness": specimen.prestretch.thickness,
     }
     tables["gravity"] = {"acceleration": specimen.gravity}

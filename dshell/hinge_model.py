@@ -34,7 +34,7 @@ class HingeModel:
         self._specimen, self._mesh = specimen, mesh
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[Energy]:
-        """Return springs and hinges, the substrate stretched by (lambda_x, lambda_y)."""
+        """Return springs and hinges, the prestretch being (lambda_x, lambda_y)."""
         return laminate_springs_and_hinges(self._mesh, *specimen_sections(self._specimen, stretch))
 
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:

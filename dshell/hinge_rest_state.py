@@ -2,14 +2,14 @@
 
 In place of the printed balance of energies (paper, eqs. 6 and 7) the natural lengths and angles
 are those of the free laminate. Of the layers with moduli E_i, thicknesses t_i, mid-heights z_i and
-natural strains e_i (1 / lambda - 1 in the substrate, 0 in the kirigami), about the neutral axis,
+natural strains e_i (1 / lambda - 1 where stretched, else 0), about the neutral axis,
 where B vanishes (Timoshenko 1925; Reddy, Mechanics of Laminated Composite Plates, ch. 3),
 
     A = sum E t,  D = sum E' (t^3 / 12 + t z^2),  E' = E / (1 - nu^2),
     natural strain e0 = sum E t e / A,            natural curvature k0 = - sum E' t z e / D
 
-(positive toward the kirigami), both tensors where lambda_x and lambda_y differ. On an equilateral
-lattice of edge a (numbers tested in tests/dshell) that is
+(positive where it bulges upward), both tensors where lambda_x and lambda_y differ. On an
+equilateral lattice of edge a (numbers tested in tests/dshell) that is
 
     spring  k_s = 3 A (area of the edge) = sqrt(3)/2 A a^2,   L = l (1 + t . e0 t)
     hinge   k_b = D a^2 / (3 (area of the edge)) = 2/sqrt(3) D,
@@ -20,13 +20,14 @@ d the distance of their circumcentres, so a sphere has these angles on every Del
 between bare and covered triangles share their areas' A, D, A e0 and D k0.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
-from bilayer.specimen import Layer, Specimen
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.specimen import BARE, KIRIGAMI, BondedLayer, Specimen
 from dshell.edge_springs import EdgeSprings
 from dshell.hinges import Hinges
 from dshell.topology import FaceNeighbours, Topology
@@ -59,14 +60,13 @@ class Section:
     neutral_axis: float
 
     @classmethod
-    def of(cls, layers: list[tuple[Layer, float, float, Array]]) -> "Section":
-        """Return the section of layers, each with its bottom and top, m, and its natural strain."""
-        modulus = np.array([layer.material.young_modulus for layer, *_ in layers])
-        plane = modulus / (
-            1 - np.array([layer.material.poisson_ratio for layer, *_ in layers]) ** 2
-        )
-        bottom, top = (np.array([entry[place] for entry in layers]) for place in (1, 2))
-        natural = np.array([entry[3] for entry in layers])
+    def of(cls, layers: Sequence[BondedLayer]) -> "Section":
+        """Return the section of a pile of layers."""
+        materials = [part.layer.material for part in layers]
+        modulus = np.array([material.young_modulus for material in materials])
+        plane = modulus / (1 - np.array([material.poisson_ratio for material in materials]) ** 2)
+        bottom, top = np.array([(part.bottom, part.top) for part in layers]).T
+        natural = 1 / np.array([part.stretch for part in layers]) - 1
         thickness, middle = top - bottom, (top + bottom) / 2
         axis = (plane * thickness) @ middle / (plane @ thickness)
         stretching = modulus @ thickness
@@ -82,11 +82,12 @@ class Section:
 
 def specimen_sections(specimen: Specimen, stretch: tuple[float, float]) -> tuple[Section, Section]:
     """Return the section of the bare substrate and that of the bilayer."""
-    thickness = specimen.bonded_thickness(stretch)
-    shrinking = 1 / np.array(stretch) - 1
-    substrate = (specimen.substrate, -thickness, 0.0, shrinking)
-    kirigami = (specimen.kirigami, 0.0, specimen.kirigami.thickness, np.zeros(2))
-    return Section.of([substrate]), Section.of([substrate, kirigami])
+    layers = specimen.bonded_layers(stretch)
+    bare, bilayer = (
+        Section.of([part for part in layers if region in part.regions])
+        for region in (BARE, KIRIGAMI)
+    )
+    return bare, bilayer
 
 
 def laminate_springs_and_hinges(

@@ -13,21 +13,21 @@ def bonded_interface(
 ) -> Array:
     """Return the bonded interface over a deformed surface.
 
-    Each node moves along the area-weighted normal of its triangles, which points toward the
-    kirigami layer. What lies between keeps its volume, so the way is that of the flat bonded state
-    divided by the area stretch of those triangles.
+    Each node moves along the area-weighted upward normal of its triangles. What lies between keeps
+    its volume, so the way is that of the flat bonded state divided by the area stretch of those
+    triangles.
 
     Parameters
     ----------
     position : (n, 3) array of float
         The surface, m.
     triangles : (m, 3) array of int
-        Counterclockwise seen from the kirigami layer.
+        Counterclockwise seen from above.
     flat_areas : (m,) array of float
         Areas in the flat bonded state, m2.
     height : float or (n,) array of float
         Of the bond above the surface in the flat bonded state, m: half the substrate's thickness
-        over its mid-plane.
+        over its mid-plane, or, where the substrate is the upper layer, under it.
     """
     a, b, c = np.moveaxis(position[triangles], 1, 0)
     area_vectors = 0.5 * np.cross(b - a, c - a)

@@ -3,24 +3,26 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
+from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
 from dshell.topology import sum_at_nodes
 
 
-def lumped_masses(specimen: Specimen, mesh: PlanarMesh, thickness: float) -> NDArray[np.float64]:
+def lumped_masses(
+    specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]
+) -> NDArray[np.float64]:
     """Return the mass of each node, kg: a third of each of its triangles, both layers.
 
     Parameters
     ----------
     specimen : Specimen
-        Densities and the kirigami layer's thickness.
+        Densities and thicknesses.
     mesh : PlanarMesh
         The flat bonded disc.
-    thickness : float
-        Of the bonded substrate, m.
+    stretch : (float, float)
+        (lambda_x, lambda_y) of the prestretch, which thins the layers.
     """
-    per_area = specimen.substrate.density * thickness + np.where(
-        mesh.region == KIRIGAMI, specimen.kirigami.density * specimen.kirigami.thickness, 0.0
-    )
+    per_area = np.zeros(len(mesh.triangles))
+    for part in specimen.bonded_layers(stretch):
+        per_area[mesh.faces_in(part.regions)] += part.layer.density * part.thickness
     return sum_at_nodes(mesh.triangles, per_area * mesh.areas / 3)

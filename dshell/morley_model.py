@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
+from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
 from dshell.morley import MorleyFaces
 from dshell.plane_stress import plane_stress_law
@@ -32,13 +32,13 @@ class MorleyModel:
         self.extra_dofs = self.energies((1.0, 1.0))[0].edge_count
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
-        """Return the one energy, its substrate stretched by (lambda_x, lambda_y)."""
+        """Return the one energy, the prestretch being (lambda_x, lambda_y)."""
         laminate = Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._profile)
         return [MorleyFaces(self._mesh.points, self._mesh.triangles, laminate)]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
-        """Return half the bonded substrate's thickness, m."""
-        return self._specimen.bonded_thickness(stretch) / 2
+        """Return how far the bond is above the substrate's mid-plane in the flat state, m."""
+        return -reference_height(self._specimen, stretch)
 
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energy of each layer, J."""
@@ -49,30 +49,32 @@ class MorleyModel:
 def specimen_layers(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]
 ) -> list[ShellLayer]:
-    """Return the layers from the substrate's mid-plane up, in the flat bonded state.
+    """Return the layers over the substrate's mid-plane in the flat bonded state, from the bottom.
 
     Parameters
     ----------
     specimen, mesh
         Thicknesses and materials; which triangles carry kirigami.
     stretch : (float, float)
-        (lambda_x, lambda_y) of the substrate.
+        (lambda_x, lambda_y) of the prestretch.
     """
-    half = specimen.bonded_thickness(stretch) / 2
-    substrate = ShellLayer(
-        "substrate",
-        plane_stress_law(specimen.substrate.material),
-        -half,
-        half,
-        np.diag(stretch),
-    )
-    covered = np.flatnonzero(mesh.region == KIRIGAMI)
-    kirigami = ShellLayer(
-        "kirigami",
-        plane_stress_law(specimen.kirigami.material),
-        half,
-        half + specimen.kirigami.thickness,
-        np.eye(2),
-        covered,
-    )
-    return [substrate, kirigami] if len(covered) else [substrate]
+    reference = reference_height(specimen, stretch)
+    parts = [(part, mesh.faces_in(part.regions)) for part in specimen.bonded_layers(stretch)]
+    return [
+        ShellLayer(
+            part.name,
+            plane_stress_law(part.layer.material),
+            part.bottom - reference,
+            part.top - reference,
+            np.diag(part.stretch),
+            None if len(faces) == len(mesh.triangles) else faces,
+        )
+        for part, faces in parts
+        if len(faces)
+    ]
+
+
+def reference_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
+    """Return the height of the shell's surface, the substrate's mid-plane, above the bond, m."""
+    substrate = specimen.bonded_layer("substrate", stretch)
+    return (substrate.bottom + substrate.top) / 2

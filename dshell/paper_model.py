@@ -76,7 +76,7 @@ def release_paper(
     Raises
     ------
     InputError
-        A start or a true weight is given.
+        A start or a true weight is given, or the layers are not as the paper has them.
     """
     _check_input(specimen, start)
     ruled = replace(specimen, prestretch=replace(specimen.prestretch, thickness=settings.thickness))
@@ -111,8 +111,8 @@ def release(
         Called with the share of the ramp after each time step.
     """
     begun = time.perf_counter()
-    thickness = specimen.bonded_thickness(stretch)
-    body = paper_body(specimen, mesh, rest_state(specimen, mesh, stretch), thickness, settings)
+    thickness = specimen.bonded_layer("substrate", stretch).thickness
+    body = paper_body(specimen, mesh, rest_state(specimen, mesh, stretch), stretch, settings)
     scale = force_scale(specimen, thickness)
     stepping = Stepping(
         settings.total_time / settings.steps,
@@ -144,7 +144,11 @@ def release(
 
 
 def paper_body(
-    specimen: Specimen, mesh: PlanarMesh, ramp: Ramp, thickness: float, settings: PaperSettings
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    ramp: Ramp,
+    stretch: tuple[float, float],
+    settings: PaperSettings,
 ) -> MovingBody:
     """Return what moves: the energies on their ramp, the lumped masses and the tapering gravity.
 
@@ -154,12 +158,12 @@ def paper_body(
         What is released, on which planar mesh.
     ramp : Ramp
         The rest state.
-    thickness : float
-        Thickness of the bonded substrate, m.
+    stretch : (float, float)
+        The milestone, (lambda_x, lambda_y), which thins the substrate.
     settings : PaperSettings
         Duration, gravity and damping.
     """
-    masses = lumped_masses(specimen, mesh, thickness)
+    masses = lumped_masses(specimen, mesh, stretch)
     weight = np.zeros((len(masses), 3))
     weight[:, 2] = -masses * settings.gravity
     end = settings.total_time
@@ -203,6 +207,16 @@ def _check_input(specimen: Specimen, start: xr.Dataset | None) -> None:
         raise InputError(
             f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "
             "weight (its gravity tapers to zero), expected 0"
+        )
+    if specimen.kirigami_side != "above":
+        raise InputError(
+            f"kirigami.side = {specimen.kirigami_side!r}: the paper's model has the kirigami layer "
+            "above the substrate, expected 'above'"
+        )
+    if specimen.prestretch.layers != ("substrate",):
+        raise InputError(
+            f"prestretch.layers = {list(specimen.prestretch.layers)}: the paper's model stretches "
+            "the substrate alone, expected ['substrate']"
         )
 
 

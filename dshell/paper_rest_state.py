@@ -70,7 +70,7 @@ def rest_state(specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float
     topology = Topology.of(mesh.triangles)
     edge = mesh.points[topology.edges[:, 1]] - mesh.points[topology.edges[:, 0]]
     length = np.linalg.norm(edge, axis=1)
-    thickness = specimen.bonded_thickness(stretch)
+    thickness = specimen.bonded_layer("substrate", stretch).thickness
     stretching = edge_stiffness(specimen.substrate.material.young_modulus, thickness, length)
     springs = EdgeSprings(topology.edges, stretching, np.linalg.norm(edge / stretch, axis=1))
     bilayer = np.all(mesh.region[topology.hinge_faces] == KIRIGAMI, axis=1)

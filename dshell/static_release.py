@@ -149,7 +149,7 @@ class StaticRelease:
 
     def _body(self, stretch: Stretch) -> Body:
         """Return the shell at a prestretch, with its weight."""
-        masses = lumped_masses(self._specimen, self._mesh, self._specimen.bonded_thickness(stretch))
+        masses = lumped_masses(self._specimen, self._mesh, stretch)
         load = np.zeros((len(masses), 3))
         load[:, 2] = -self._specimen.gravity * masses
         return Body(self._model.energies(stretch), self._state_of(load))

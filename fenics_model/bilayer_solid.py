@@ -1,5 +1,6 @@
 """The solid of a specimen: its two layers extruded, with natural states, loads and held points."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,8 +10,8 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
-from bilayer.specimen import Layer, Specimen
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.specimen import BondedLayer, Layer, Specimen
 from fenics_model.layered_mesh import LayeredMesh
 from fenics_model.release_path import WEIGHT_WAY, ReleasePath
 from fenics_model.settings import SolidSettings
@@ -18,8 +19,7 @@ from fenics_model.solid import Solid, SolidLayer
 from fenics_model.strain_energy import StrainEnergy, energy_constants
 from fenics_model.volume_mesh import Slab, VolumeMesh, extrude
 
-SUBSTRATE = 0
-LAYER_NAMES = ("substrate", "kirigami")
+UNSTRETCHED = (1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -29,21 +29,23 @@ class BilayerSolid:
     Parameters
     ----------
     solid : Solid
-        The layers.
+        The layers, the lower one first.
+    specimen : Specimen
+        Whose layers they are.
+    layer_names : tuple of str
+        Theirs, in the same order.
     path : ReleasePath
         From flat through the milestones.
-    thickness_rule : {"natural", "constant"}
-        With which thickness the substrate is drawn, see `natural_state`.
-    gravity, imperfection : float
-        Accelerations at their full values, m/s2.
+    imperfection : float
+        Acceleration at its full value, m/s2.
     weight, saddle : dolfinx Constant
         The accelerations that act now.
     """
 
     solid: Solid
+    specimen: Specimen
+    layer_names: tuple[str, ...]
     path: ReleasePath
-    thickness_rule: str
-    gravity: float
     imperfection: float
     weight: fem.Constant
     saddle: fem.Constant
@@ -51,12 +53,15 @@ class BilayerSolid:
     def load(self, parameter: float) -> None:
         """Set natural state and loads for a parameter of the path."""
         self.prestretch(self.path.stretch(parameter))
-        self.weight.value = self.gravity * self.path.weight_fraction(parameter)
+        self.weight.value = self.specimen.gravity * self.path.weight_fraction(parameter)
         self.saddle.value = self.imperfection * self.path.imperfection_fraction(parameter)
 
     def prestretch(self, stretch: tuple[float, float]) -> None:
-        """Set the natural state of the substrate alone."""
-        self.solid.layers[SUBSTRATE].natural.value = natural_state(stretch, self.thickness_rule)
+        """Set the natural states alone."""
+        rule = self.specimen.prestretch.thickness
+        for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
+            bonded = self.specimen.bonded_layer(name, stretch)
+            layer.natural.value = natural_state(bonded.stretch, rule)
 
 
 def disturbance(body: BilayerSolid, radius: float, height: float) -> NDArray[np.float64]:
@@ -91,7 +96,7 @@ def disturbance(body: BilayerSolid, radius: float, height: float) -> NDArray[np.
 
 
 def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
-    """Return (lx, ly, s) of the stretched substrate, see `strain_energy`.
+    """Return (lx, ly, s) of a layer, see `strain_energy`.
 
     Drawn with its natural thickness ("natural"), the mesh is stretched in plane alone, s = 1. Drawn
     with its bonded thickness ("constant"), it also has the thinning, s = 1 / (lx ly).
@@ -105,16 +110,14 @@ def bilayer_solid(
 ) -> BilayerSolid:
     """Build the solid of a specimen on a planar mesh.
 
-    Both ways of drawing the substrate have the specimen's `substrate.thickness`: it is the natural
-    thickness by one rule and the bonded one by the other.
+    Both ways of drawing a stretched layer have the `thickness` of the specimen's `Layer`: it is the
+    natural thickness by one rule and the bonded one by the other.
     """
-    layered = LayeredMesh(extruded(specimen, mesh, settings), comm)
+    parts = layers_on(specimen, mesh)
+    layered = LayeredMesh(extruded(parts, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
     acceleration = -weight + saddle * _saddle_shape(layered, specimen.outer_radius)
-    layers = [
-        _solid_layer(layered, layer, acceleration)
-        for layer in (specimen.substrate, specimen.kirigami)
-    ]
+    layers = [_solid_layer(layered, part.layer, acceleration) for part in parts]
     solid = Solid(
         layered,
         layers,
@@ -123,23 +126,37 @@ def bilayer_solid(
     )
     return BilayerSolid(
         solid,
+        specimen,
+        tuple(part.name for part in parts),
         ReleasePath(
             specimen.prestretch.milestones, weight_way=WEIGHT_WAY if specimen.gravity else 0.0
         ),
-        specimen.prestretch.thickness,
-        specimen.gravity,
         settings.imperfection,
         weight,
         saddle,
     )
 
 
-def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
-    """Extrude the planar mesh: the substrate everywhere, the kirigami layer where it is not cut."""
-    covered = mesh.triangles[mesh.region == KIRIGAMI]
-    substrate = Slab(specimen.substrate.thickness, settings.substrate_elements, mesh.triangles)
-    kirigami = Slab(specimen.kirigami.thickness, settings.kirigami_elements, covered)
-    return extrude(mesh, [substrate, kirigami] if len(covered) else [substrate])
+def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
+    """Return the unstretched layers that a planar mesh has any triangles of, the lower one first.
+
+    Unstretched, they have the thickness with which they are drawn.
+    """
+    layers = specimen.bonded_layers(UNSTRETCHED)
+    return [part for part in layers if len(mesh.faces_in(part.regions))]
+
+
+def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+    """Extrude the planar mesh, each layer where it lies."""
+    elements = {
+        "substrate": settings.substrate_elements,
+        "kirigami": settings.kirigami_elements,
+    }
+    slabs = [
+        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_in(part.regions)])
+        for part in parts
+    ]
+    return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
 
 
 def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:

@@ -23,7 +23,6 @@ from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (
-    LAYER_NAMES,
     BilayerSolid,
     bilayer_solid,
     disturbance,
@@ -83,7 +82,7 @@ def release(
         settings=settings,
         versions=versions(),
         stop_reason=stop_reason,
-        extra=volume_dataset(body.solid.mesh.volume, positions, milestones).merge(
+        extra=volume_dataset(body.solid.mesh.volume, body.layer_names, positions, milestones).merge(
             effort_dataset(efforts, milestones)
         ),
     )
@@ -244,12 +243,13 @@ class Release:
         solid = self._body.solid
         volume = solid.mesh.volume
         position = (volume.points + solid.vertex_displacements())[volume.interface]
-        names = LAYER_NAMES[: len(solid.layers)]
         return MilestoneState(
             position,
             converged,
             reached,
-            energy={name: solid.layer_energy(layer) for layer, name in enumerate(names)},
+            energy={
+                name: solid.layer_energy(layer) for layer, name in enumerate(self._body.layer_names)
+            },
             iterations=self._tally.effort.iterations,
             load_steps=self._tally.load_steps,
             residual=residual,

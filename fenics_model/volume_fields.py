@@ -6,11 +6,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bilayer.specimen import LAYERS
 from fenics_model.volume_mesh import VolumeMesh
 
 
 def volume_dataset(
-    volume: VolumeMesh, positions: Sequence[NDArray[np.float64]], milestones: int
+    volume: VolumeMesh,
+    layer_names: Sequence[str],
+    positions: Sequence[NDArray[np.float64]],
+    milestones: int,
 ) -> xr.Dataset:
     """Build the volume variables of a result.
 
@@ -18,11 +22,14 @@ def volume_dataset(
     ----------
     volume : VolumeMesh
         The undeformed mesh (of the natural thickness, or the bonded one).
+    layer_names : sequence of str
+        Of its layers, the lower one first.
     positions : sequence of (v, 3) array of float
         Deformed vertices at the milestones that were reached, in order, m.
     milestones : int
         Number of milestones; those not reached become NaN.
     """
+    number = np.array([LAYERS.index(name) for name in layer_names])
     reached = np.full((milestones, *volume.points.shape), np.nan)
     for row, position in zip(reached, positions, strict=False):
         row[:] = position
@@ -66,12 +73,12 @@ def volume_dataset(
             ),
             "layer": (
                 "volume_cell",
-                volume.layer.astype(np.int32),
+                number[volume.layer].astype(np.int32),
                 on_cells
                 | {
                     "long_name": "layer of the cell",
-                    "flag_values": np.array([0, 1], dtype=np.int32),
-                    "flag_meanings": "substrate kirigami",
+                    "flag_values": np.arange(len(LAYERS), dtype=np.int32),
+                    "flag_meanings": " ".join(LAYERS),
                 },
             ),
         }

@@ -50,7 +50,7 @@ class VolumeMesh:
     vertex_at : (levels, n) array of int
         Vertex over each planar node at each level, from the bottom up; -1 where there is none.
     bond : int
-        The level at z = 0, between the first slab and the second.
+        The level at z = 0.
     """
 
     points: NDArray[np.float64]
@@ -69,18 +69,24 @@ class VolumeMesh:
         return np.unique(self.cells[self.layer == layer])
 
 
-def extrude(mesh: PlanarMesh, slabs: Sequence[Slab]) -> VolumeMesh:
-    """Stack slabs on the planar mesh, the first one's top at z = 0.
+def extrude(mesh: PlanarMesh, slabs: Sequence[Slab], below: int = 1) -> VolumeMesh:
+    """Stack slabs on the planar mesh.
 
     Parameters
     ----------
     mesh : PlanarMesh
         Its nodes are repeated at every level.
     slabs : sequence of Slab
-        From the bottom up; the first covers every triangle.
+        From the bottom up; one of those at z = 0 covers every triangle.
+    below : int
+        How many of them lie below z = 0.
     """
     n = len(mesh.points)
-    heights, cells, layer = [-slabs[0].thickness], [], []
+    bottoms = [
+        sum(s.thickness for s in slabs[below:index]) - sum(s.thickness for s in slabs[index:below])
+        for index in range(len(slabs))
+    ]
+    heights, cells, layer = [bottoms[0]], [], []
     for index, slab in enumerate(slabs):
         for element in range(slab.elements):
             bottom = np.sort(slab.triangles, axis=1) + (len(heights) - 1) * n
@@ -88,8 +94,7 @@ def extrude(mesh: PlanarMesh, slabs: Sequence[Slab]) -> VolumeMesh:
             tetrahedra = prisms[:, _PRISM_TO_TETRAHEDRA].reshape(-1, 4)
             cells.append(tetrahedra)
             layer.append(np.full(len(tetrahedra), index))
-            base = -slab.thickness if index == 0 else sum(s.thickness for s in slabs[1:index])
-            heights.append(base + slab.thickness * (element + 1) / slab.elements)
+            heights.append(bottoms[index] + slab.thickness * (element + 1) / slab.elements)
     used, numbered = np.unique(np.concatenate(cells), return_inverse=True)
     vertex_at = np.full(len(heights) * n, -1)
     vertex_at[used] = np.arange(len(used))
@@ -100,5 +105,5 @@ def extrude(mesh: PlanarMesh, slabs: Sequence[Slab]) -> VolumeMesh:
         numbered.reshape(-1, 4),
         np.concatenate(layer),
         vertex_at.reshape(len(heights), n),
-        bond=slabs[0].elements,
+        bond=sum(slab.elements for slab in slabs[:below]),
     )

@@ -1,5 +1,6 @@
 """The planar mesh: topology, checks, files."""
 
+import meshio
 import numpy as np
 import pytest
 
@@ -18,24 +19,71 @@ def test_edges_rim_and_areas_of_a_square():
     assert mesh.boundary_edges.tolist() == [[0, 1], [0, 3], [1, 2], [2, 3]]
     assert mesh.rim_nodes.tolist() == [0, 1, 2, 3]
     assert mesh.areas.tolist() == [0.5, 0.5]
-    assert mesh.kirigami_nodes.tolist() == [True, True, True, False]
+    assert mesh.faces_in([1]).tolist() == [0]
+    assert mesh.faces_in([0, 1]).tolist() == [0, 1]
     assert mesh.centre_node == 0
 
 
+LATTICE = np.array([[x, y] for y in range(3) for x in range(4)], dtype=float)
+NAN = np.where(np.arange(4)[:, None] == 2, np.nan, SQUARE)
+BAD = {
+    "not finite": (NAN, [[0, 1, 2], [0, 2, 3]], "node 2 lies at .*nan nan.*: expected finite"),
+    "isolated": (SQUARE, [[0, 1, 2]], "node 3 is isolated: expected every node in a triangle"),
+    "no such node": (SQUARE, [[0, 1, 2], [0, 2, 4]], r"triangle 1 \(nodes 0, 2, 4\): .* 0 to 3"),
+    "negative": (SQUARE, [[0, 1, 2], [0, 2, -1]], r"triangle 1 \(nodes 0, 2, -1\): .* 0 to 3"),
+    "clockwise": (
+        SQUARE, [[0, 1, 2], [0, 3, 2]], r"triangle 1 \(nodes 0, 3, 2\) runs clockwise: expected"
+    ),
+    "all clockwise": (SQUARE, [[0, 2, 1], [0, 3, 2]], r"clockwise \(as are 1 more\)"),
+    "no area": (SQUARE, [[0, 1, 2], [0, 2, 3], [1, 1, 2]], r"triangle 2 .* is degenerate"),
+    "sliver": (
+        np.vstack([SQUARE, [0.5, -1e-7]]),
+        [[0, 1, 2], [0, 2, 3], [1, 0, 4]],
+        r"triangle 2 \(nodes 1, 0, 4\) is degenerate, its area is 5e-08 m2: expected a height",
+    ),
+    "twice": (
+        SQUARE, [[0, 1, 2], [0, 2, 3], [2, 0, 1]], r"triangle 0 \(nodes 0, 1, 2\) is there again "
+        "as triangle 2: expected each once",
+    ),
+    "non-manifold": (
+        np.vstack([SQUARE, [0.1, 0.9]]),
+        [[0, 1, 2], [0, 2, 3], [0, 2, 4]],
+        r"the edge of nodes 0 and 2 belongs to 3 triangles \(0, 1, 2\): expected at most 2",
+    ),
+    "folded": (
+        np.vstack([SQUARE, [0.9, 0.1]]),
+        [[0, 1, 2], [0, 1, 4], [0, 2, 3]],
+        "triangles 0, 1 lie on the same side of the edge of nodes 0 and 1",
+    ),
+    "in pieces": (
+        LATTICE, [[0, 1, 4], [1, 5, 4], [2, 3, 6], [3, 7, 6], [4, 5, 8], [5, 9, 8],
+                  [6, 7, 10], [7, 11, 10]],
+        r"in 2 pieces, triangle 2 \(nodes 2, 3, 6\) shares no edge",
+    ),
+    "joined at a node": (
+        LATTICE[:7], [[0, 1, 5], [2, 6, 5], [3, 6, 2], [0, 5, 4]], "in 2 pieces",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("points", "triangles", "message"), BAD.values(), ids=BAD)
+def test_bad_meshes_are_refused(points, triangles, message):
+    with pytest.raises(InputError, match=message):
+        PlanarMesh(points, triangles, np.ones(len(triangles)))
+
+
 @pytest.mark.parametrize(
-    ("points", "triangles", "region", "message"),
+    ("region", "message"),
     [
-        (SQUARE, [[0, 2, 1], [0, 2, 3]], [1, 1], "triangle 0 has area -0.5"),
-        (SQUARE, [[0, 1, 2]], [1], "use 3 of 4 points"),
-        (SQUARE, [[0, 1, 2], [0, 2, 4]], [1, 1], "outside 0..3"),
-        (SQUARE, [[0, 1, 2], [0, 2, 3]], [1, 2], "region has values"),
-        (SQUARE, [[0, 1, 2], [0, 2, 3]], [1], "region has shape"),
-        (SQUARE * np.nan, [[0, 1, 2], [0, 2, 3]], [1, 1], "not all finite"),
+        ([1, 2], "triangle 1 has region = 2: expected 0 or 1"),
+        ([0.5, 1], "triangle 0 has region = 0.5: expected 0 or 1"),
+        ([1, np.nan], "triangle 1 has region = nan: expected 0 or 1"),
+        ([1], "region has shape"),
     ],
 )
-def test_bad_meshes_are_refused(points, triangles, region, message):
+def test_bad_regions_are_refused(region, message):
     with pytest.raises(InputError, match=message):
-        PlanarMesh(points, triangles, region)
+        PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], region)
 
 
 @pytest.mark.parametrize("ending", ["msh", "vtu", "vtk"])
@@ -46,16 +94,35 @@ def test_files_keep_order_and_region(tmp_path, ending):
     assert read_planar_mesh(path).same_as(mesh)
 
 
-def test_nodes_without_triangles_are_dropped(tmp_path):
-    """gmsh files often hold construction points."""
-    import meshio
+def write_file(path, points, cells, **data):
+    points = np.column_stack([points, np.zeros(len(points))]) if points.shape[1] == 2 else points
+    meshio.Mesh(points, cells, cell_data=data).write(path)
 
-    path = tmp_path / "mesh.vtk"
-    points = np.column_stack([np.vstack([[[9.0, 9.0]], SQUARE]), np.zeros(5)])
-    meshio.Mesh(points, [("triangle", np.array([[1, 2, 3], [1, 3, 4]]))]).write(path)
+
+def test_construction_points_are_left_out(tmp_path):
+    """A drawing's points and lines may lie beside the triangles; other nodes are an error."""
+    path, points = tmp_path / "mesh.vtk", np.vstack([[[9.0, 9.0]], SQUARE])
+    triangles = ("triangle", np.array([[1, 2, 3], [1, 3, 4]]))
+    write_file(path, points, [("vertex", np.array([[0], [1]])), triangles])
     mesh = read_planar_mesh(path)
     assert len(mesh.points) == 4
     assert mesh.region.tolist() == [1, 1]
+    write_file(path, points, [triangles])
+    with pytest.raises(InputError, match=r"mesh\.vtk: node 0 is isolated"):
+        read_planar_mesh(path)
+
+
+def test_files_of_other_cells_or_of_no_plane_are_refused(tmp_path):
+    path, triangles = tmp_path / "mesh.vtk", np.array([[0, 1, 2], [0, 2, 3]])
+    write_file(path, SQUARE, [("quad", np.array([[0, 1, 2, 3]]))])
+    with pytest.raises(InputError, match=r"mesh\.vtk: holds quad cells, expected .* of 3 nodes"):
+        read_planar_mesh(path)
+    write_file(path, np.column_stack([SQUARE, [0, 0, 0, 0.1]]), [("triangle", triangles)])
+    with pytest.raises(InputError, match=r"its z goes from 0 to 0.1 m, expected a plane"):
+        read_planar_mesh(path)
+    write_file(path, np.column_stack([SQUARE, [0, 0, 0, np.nan]]), [("triangle", triangles)])
+    with pytest.raises(InputError, match=r"node 3 lies at .*nan"):
+        read_planar_mesh(path)
 
 
 def test_files_that_hold_no_planar_mesh_are_named(tmp_path):

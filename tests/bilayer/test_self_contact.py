@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from shapes import cap, in_plane
 
 from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
+from bilayer.planar_mesh import KIRIGAMI
 from bilayer.report import contact_words, result_table, trust
-from bilayer.self_contact import BondedBody, self_contact_gap, skin_of
+from bilayer.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
 from bilayer.surface import Surface
 
 BELOW, ABOVE = 0.6e-3, 1e-3
@@ -51,7 +52,8 @@ def folded(points, gap, length=LENGTH):
 
 
 def body(mesh, below=BELOW, above=ABOVE):
-    return BondedBody(mesh, below, above)
+    everywhere = np.arange(len(mesh.triangles))
+    return BondedBody(mesh, [Sheet(-below, everywhere), Sheet(above, mesh.faces_in([KIRIGAMI]))])
 
 
 def paper_disc(size=0.003):
@@ -195,8 +197,9 @@ def test_motion_and_numbering_do_not_matter(gap):
 def test_the_body_of_a_specimen():
     specimen, mesh = paper_specimen(), strip()
     made = BondedBody.of(specimen, mesh, (1.25, 1.2))
-    assert made.below == pytest.approx(specimen.substrate.thickness / 1.5)
-    assert made.above == specimen.kirigami.thickness
+    below, above = (sheet.height for sheet in made.sheets)
+    assert below == pytest.approx(-specimen.substrate.thickness / 1.5)
+    assert above == specimen.kirigami.thickness
     assert made.shrinkage == pytest.approx(1 / 1.25)
 
 

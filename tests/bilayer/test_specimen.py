@@ -9,11 +9,63 @@ import pytest
 from bilayer import CutPattern, InputError, Prestretch, paper_specimen
 
 
-def test_bonded_thickness_keeps_the_volume_or_the_thickness():
-    natural = paper_specimen()
-    assert natural.bonded_thickness((1.2, 1.1)) == pytest.approx(0.001 / 1.32)
-    constant = replace(natural, prestretch=replace(natural.prestretch, thickness="constant"))
-    assert constant.bonded_thickness((1.2, 1.1)) == 0.001
+def stretched(*layers, thickness="natural", side="above"):
+    """The paper's specimen with other layers stretched, the kirigami on a side."""
+    prestretch = replace(paper_specimen().prestretch, layers=layers, thickness=thickness)
+    return replace(paper_specimen(), prestretch=prestretch, kirigami_side=side)
+
+
+@pytest.mark.parametrize("name", ["substrate", "kirigami"])
+def test_the_layer_that_is_stretched_keeps_its_volume_or_its_thickness(name):
+    natural = stretched(name).bonded_layer(name, (1.2, 1.1))
+    assert natural.thickness == pytest.approx(0.001 / 1.32)
+    assert natural.stretch == (1.2, 1.1)
+    constant = stretched(name, thickness="constant").bonded_layer(name, (1.2, 1.1))
+    assert constant.thickness == 0.001
+    (other,) = {"substrate", "kirigami"} - {name}
+    unstretched = stretched(name).bonded_layer(other, (1.2, 1.1))
+    assert (unstretched.thickness, unstretched.stretch) == (0.001, (1.0, 1.0))
+
+
+def test_both_layers_may_be_stretched():
+    layers = stretched("kirigami", "substrate").bonded_layers((1.2, 1.1))
+    assert [part.stretch for part in layers] == [(1.2, 1.1), (1.2, 1.1)]
+
+
+@pytest.mark.parametrize(
+    ("side", "order"),
+    [("above", ["substrate", "kirigami"]), ("below", ["kirigami", "substrate"])],
+)
+def test_layers_are_listed_from_the_bottom_and_meet_at_the_bond(side, order):
+    lower, upper = stretched("substrate", side=side).bonded_layers((1.2, 1.2))
+    assert [lower.name, upper.name] == order
+    assert lower.bottom < lower.top == 0 == upper.bottom < upper.top
+    assert (lower.is_above, upper.is_above) == (False, True)
+
+
+def test_the_cutouts_are_in_the_kirigami_layer_alone():
+    regions = {part.name: part.regions for part in paper_specimen().bonded_layers((1.1, 1.1))}
+    assert regions == {"substrate": (0, 1), "kirigami": (1,)}
+
+
+def test_other_milestones_leave_the_stretched_layers():
+    specimen = stretched("kirigami", thickness="constant").with_milestones([1.5])
+    assert specimen.prestretch == Prestretch((1.5,), "constant", ("kirigami",))
+
+
+@pytest.mark.parametrize(
+    ("layers", "message"),
+    [
+        ("kirigami", "expected a list"),
+        ([], r"prestretch.layers = \[\]: expected one or both"),
+        (["substrate", "substrate"], "each once"),
+        (["top"], "prestretch.layers = 'top': expected one of 'substrate', 'kirigami'"),
+        (["kirigam"], "did you mean 'kirigami'"),
+    ],
+)
+def test_bad_stretched_layers_are_named(layers, message):
+    with pytest.raises(InputError, match=message):
+        Prestretch((1.1,), layers=layers)
 
 
 def test_first_strip_lies_on_the_x_axis():

@@ -47,11 +47,14 @@ def specimens(draw):
     items = draw(path)
     nominal = [max(item) if isinstance(item, tuple) else item for item in items]
     unique = [item for k, item in enumerate(items) if nominal.index(nominal[k]) == k]
-    prestretch = Prestretch(unique, draw(st.sampled_from(["natural", "constant"])))
+    layers = draw(st.sampled_from([["substrate"], ["kirigami"], ["kirigami", "substrate"]]))
+    prestretch = Prestretch(unique, draw(st.sampled_from(["natural", "constant"])), layers)
     mesh = draw(st.sampled_from([MeshSize(), MeshSize(0.003, 0.001)]))
+    side = draw(st.sampled_from(["above", "below"]))
     return Specimen(
-        0.04, draw(layer), draw(layer), prestretch, draw(cut), mesh, draw(st.floats(0, 10)), "a"
-    )
+        0.04, draw(layer), draw(layer), prestretch, draw(cut), mesh, draw(st.floats(0, 10)), "a",
+        side,
+    )  # fmt: skip
 
 
 @given(specimens())
@@ -100,6 +103,7 @@ def test_constants_may_be_given_directly():
         milestones = [1.03]
     """
     specimen = parse_specimen(text)
+    assert (specimen.kirigami_side, specimen.prestretch.layers) == ("above", ("substrate",))
     assert specimen.substrate.material == MooneyRivlin(4839.1, 14_536.0, 0.0)
     assert specimen.kirigami.material == LinearElastic(1e5, 0.5)
 
@@ -128,6 +132,12 @@ def test_constants_may_be_given_directly():
         ("kirigami.density=0", "kirigami.density = 0 kg/m3"),
         ("prestretch.milestones=[1.1, 1.1]", "each once, but 1.1 follows 1.1"),
         ("prestretch.milestones=abc", "prestretch.milestones = 'abc': expected a list"),
+        ("prestretch.layers=kirigami", "prestretch.layers = 'kirigami': expected a list"),
+        ("prestretch.layers=['lid']", "prestretch.layers = 'lid': expected one of 'substrate'"),
+        ("prestretch.layers=[3]", "prestretch.layers = 3: expected one of 'substrate'"),
+        ("kirigami.side=under", "kirigami.side = 'under': expected one of 'above', 'below'"),
+        ("kirigami.side=[1]", r"kirigami.side = \[1\]: expected one of 'above', 'below'"),
+        ("substrate.side=above", "substrate.side: unknown key"),
         ("prestretch.thickness=thin", "prestretch.thickness = 'thin': expected one of 'natural'"),
         ("gravity.acceleration=-9.81", "gravity.acceleration = -9.81 m/s2"),
         ("mesh.size=0", "mesh.size = 0 m"),

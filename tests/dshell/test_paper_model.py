@@ -49,13 +49,13 @@ def test_result_counts_and_energies(released):
 
 def test_masses_are_those_of_both_layers(gentle, coarse_mesh):
     covered = coarse_mesh.areas[coarse_mesh.region == KIRIGAMI].sum()
-    expected = 960.0 * (0.9e-3 * coarse_mesh.areas.sum() + 1e-3 * covered)
-    assert lumped_masses(gentle, coarse_mesh, 0.9e-3).sum() == pytest.approx(expected)
+    expected = 960.0 * (1e-3 / 1.32 * coarse_mesh.areas.sum() + 1e-3 * covered)
+    assert lumped_masses(gentle, coarse_mesh, (1.2, 1.1)).sum() == pytest.approx(expected)
 
 
 def test_gravity_tapers_linearly_from_the_weight_to_nothing(gentle, coarse_mesh):
     ramp = rest_state(gentle, coarse_mesh, (1.01, 1.01))
-    body = paper_body(gentle, coarse_mesh, ramp, 1e-3, SETTINGS)
+    body = paper_body(gentle, coarse_mesh, ramp, (1.01, 1.01), SETTINGS)
     pulls = [body.load(share * SETTINGS.total_time).sum(axis=0) for share in (0, 0.25, 1)]
     weight = SETTINGS.gravity * body.masses.sum()
     assert np.array(pulls) == pytest.approx(

@@ -77,7 +77,8 @@ def test_ramp_starts_at_the_flat_mesh_without_energy(ramp, coarse_mesh):
 def test_ramp_ends_at_the_printed_rest_state_and_is_linear(ramp, coarse_specimen):
     springs, hinges = ramp.at(1.0)
     assert springs.natural_length == pytest.approx(ramp.flat_length / 1.2)
-    stretching = np.sqrt(3) / 2 * SUBSTRATE * coarse_specimen.bonded_thickness((1.2, 1.2))
+    substrate = coarse_specimen.bonded_layer("substrate", (1.2, 1.2))
+    stretching = np.sqrt(3) / 2 * SUBSTRATE * substrate.thickness
     assert springs.stiffness == pytest.approx(stretching * ramp.flat_length**2)
     halfway_springs, halfway_hinges = ramp.at(0.5)
     assert halfway_springs.natural_length == pytest.approx(ramp.flat_length * (1 + 1 / 1.2) / 2)

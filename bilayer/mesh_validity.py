@@ -1,0 +1,151 @@
+"""What makes points and triangles a mesh of one flat sheet, seen from above.
+
+Every point in a triangle, every triangle counterclockwise and with an area, one or two triangles
+at every edge, one on either side, and all of them in one piece. What is not so is named.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from bilayer.errors import InputError
+
+Indices = NDArray[np.int64]
+
+SLIVER = 1e-6
+"""Height of a triangle over its longest edge, from which on it is degenerate."""
+
+
+def check_points(points: NDArray[np.float64]) -> None:
+    """Raise InputError where a coordinate is no finite number; points of shape (n, 2) or (n, 3)."""
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise InputError(f"node {bad[0]} lies at {points[bad[0]]}: expected finite numbers, m")
+
+
+def check_region(region: ArrayLike, known: tuple[int, ...]) -> None:
+    """Raise InputError where the region of a triangle, of shape (m,), is not one of those known."""
+    values = np.asarray(region).ravel()
+    bad = np.flatnonzero(~np.isin(values, known))
+    if len(bad):
+        raise InputError(
+            f"triangle {bad[0]} has region = {values[bad[0]]:g}: "
+            f"expected {' or '.join(map(str, known))}"
+        )
+
+
+def check_sheet(points: NDArray[np.float64], triangles: Indices) -> None:
+    """Raise InputError unless points and triangles are one flat sheet.
+
+    Parameters
+    ----------
+    points : (n, 2) array of float
+        Finite coordinates, m.
+    triangles : (m, 3) array of int
+        Nodes of each triangle.
+    """
+    _check_nodes(len(points), triangles)
+    _check_shapes(points, triangles)
+    _check_edges(triangles)
+    _check_one_piece(triangles)
+
+
+def _check_nodes(count: int, triangles: Indices) -> None:
+    outside = np.flatnonzero((triangles < 0).any(axis=1) | (triangles >= count).any(axis=1))
+    if len(outside):
+        raise InputError(f"{_named(triangles, outside[0])}: expected nodes from 0 to {count - 1}")
+    isolated = np.setdiff1d(np.arange(count), triangles)
+    if len(isolated):
+        raise InputError(
+            f"node {isolated[0]} is isolated{_and_more(isolated)}: expected every node in a "
+            "triangle"
+        )
+
+
+def _check_shapes(points: NDArray[np.float64], triangles: Indices) -> None:
+    corners = points[triangles]
+    sides = corners - np.roll(corners, 1, axis=1)
+    doubled = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    longest = (sides**2).sum(axis=2).max(axis=1)
+    flat = np.flatnonzero(np.abs(doubled) <= SLIVER * longest)
+    if len(flat):
+        raise InputError(
+            f"{_named(triangles, flat[0])} is degenerate, its area is "
+            f"{doubled[flat[0]] / 2:.3g} m2{_and_more(flat)}: expected a height of more than "
+            f"{SLIVER:g} of the longest edge"
+        )
+    _, first, copies = np.unique(np.sort(triangles), axis=0, return_index=True, return_counts=True)
+    if np.any(copies > 1):
+        one = first[copies > 1].min()
+        alike = np.flatnonzero((np.sort(triangles) == np.sort(triangles[one])).all(axis=1))
+        raise InputError(
+            f"{_named(triangles, one)} is there again as triangle {alike[1]}: expected each once"
+        )
+    clockwise = np.flatnonzero(doubled < 0)
+    if len(clockwise):
+        raise InputError(
+            f"{_named(triangles, clockwise[0])} runs clockwise{_and_more(clockwise)}: expected "
+            "counterclockwise nodes in all"
+        )
+
+
+def _check_edges(triangles: Indices) -> None:
+    """At an edge lies one triangle or two, and they pass along it in opposite directions."""
+    ends, count = _directed_edges(triangles), len(triangles)
+    edge = _numbers_of(np.sort(ends))
+    crowded = np.flatnonzero(np.bincount(edge) > 2)
+    if len(crowded):
+        at = np.flatnonzero(edge == crowded[0])
+        raise InputError(
+            f"{_edge_named(ends[at[0]])} belongs to {len(at)} triangles "
+            f"({_listed(np.sort(at % count))}): expected at most 2"
+        )
+    same_way = np.flatnonzero(np.bincount(_numbers_of(ends)) > 1)
+    if len(same_way):
+        at = np.flatnonzero(_numbers_of(ends) == same_way[0])
+        raise InputError(
+            f"triangles {_listed(np.sort(at % count))} lie on the same side of "
+            f"{_edge_named(ends[at[0]])}: expected one on either side"
+        )
+
+
+def _check_one_piece(triangles: Indices) -> None:
+    count = len(triangles)
+    edge = _numbers_of(np.sort(_directed_edges(triangles)))
+    face = np.tile(np.arange(count), 3)
+    at_edge = coo_array((np.ones(len(face)), (face, edge))).tocsr()
+    pieces, piece = connected_components(at_edge @ at_edge.T, directed=False)
+    if pieces > 1:
+        apart = int(np.argmax(piece != piece[0]))
+        raise InputError(
+            f"the mesh is in {pieces} pieces, {_named(triangles, apart)} shares no edge with that "
+            f"of triangle 0: expected one"
+        )
+
+
+def _directed_edges(triangles: Indices) -> Indices:
+    """Return the edges along which triangles run, the first ones of all, then the second, ..."""
+    return np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+
+
+def _numbers_of(pairs: Indices) -> Indices:
+    """Return a number for each pair of nodes, the same for equal pairs, counted from 0."""
+    one = pairs[:, 0] * (pairs.max() + 1) + pairs[:, 1]
+    return np.unique(one, return_inverse=True)[1].reshape(-1)
+
+
+def _named(triangles: Indices, index: int) -> str:
+    return f"triangle {index} (nodes {_listed(triangles[index])})"
+
+
+def _edge_named(ends: Indices) -> str:
+    return f"the edge of nodes {ends.min()} and {ends.max()}"
+
+
+def _listed(numbers: Indices) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _and_more(found: Indices) -> str:
+    return f" (as are {len(found) - 1} more)" if len(found) > 1 else ""
