@@ -118,6 +118,8 @@ def _block(path: str | Path, lines: Sequence[str], start: int) -> tuple[NDArray[
 def read_convergence(path: str | Path) -> Convergence:
     """Read the .sta and .cvg files beside a .frd file.
 
+    The attempt of an increment that failed is marked by a U, and repeated with a shorter one.
+
     Raises
     ------
     InputError
@@ -126,13 +128,13 @@ def read_convergence(path: str | Path) -> Convergence:
     status, iterations = Path(path).with_suffix(".sta"), Path(path).with_suffix(".cvg")
     increments = list(_rows(status, columns=7))
     steps = list(_rows(iterations, columns=9))
-    failed = [row for row in increments if row[2].endswith("U")]
     converged = [row for row in increments if not row[2].endswith("U")]
+    gave_up = [row for row in increments[-1:] if row not in converged]
     try:
         return Convergence(
             float(converged[-1][5]) if converged else 0.0,
             len(converged),
-            int(failed[-1][1]) if failed else None,
+            int(gave_up[0][1]) if gave_up else None,
             len(steps),
             float(steps[-1][5]) / 100 if steps else np.nan,  # given in per cent
         )
