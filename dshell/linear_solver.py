@@ -1,7 +1,9 @@
 """Sparse symmetric systems: one small interface, PETSc where it is there, SciPy elsewhere.
 
-A factor also tells the number of negative eigenvalues of its matrix (Sylvester's law of inertia:
-as many as negative pivots of L D L'), which is how the static solver sees an unstable state.
+Two factorisations: L L' of a positive definite matrix, whose failure is how the static solver sees
+that a state is not stable; and L D L' of any, which tells the number of negative eigenvalues
+(Sylvester's law of inertia: as many as negative pivots in D). All matrices that a solver is given
+share one sparsity pattern, so PETSc's solvers find their ordering once.
 """
 
 from importlib.util import find_spec
@@ -9,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, triu
+from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from bilayer.errors import ComputationError
@@ -18,20 +20,29 @@ Array = NDArray[np.float64]
 
 
 _MUMPS_ERROR, _MUMPS_NEGATIVE_PIVOTS = 1, 12  # places in INFOG
+_PETSC_BAD_CHOLESKY_PIVOT = 81  # PETSC_ERR_MAT_CH_ZRPVT
 
 
 class SingularMatrixError(ComputationError):
     """A matrix has no factorisation."""
 
 
-class Factor(Protocol):
-    """A factorised matrix."""
+class NotPositiveDefiniteError(ComputationError):
+    """A matrix has an eigenvalue that is not positive."""
 
-    negative: int
-    """Number of negative eigenvalues."""
+
+class Factor(Protocol):
+    """A factorised matrix, good until its solver factorises the next one in the same way."""
 
     def solve(self, right_side: Array) -> Array:
         """Return the solution of the system."""
+
+
+class IndefiniteFactor(Factor, Protocol):
+    """A factor L D L'."""
+
+    negative: int
+    """Number of negative eigenvalues."""
 
 
 class LinearSolver(Protocol):
@@ -39,8 +50,11 @@ class LinearSolver(Protocol):
 
     name: str
 
-    def factor(self, matrix: csc_matrix) -> Factor:
-        """Return the factor, good until the next call; SingularMatrixError where there is none."""
+    def cholesky(self, matrix: csc_matrix) -> Factor:
+        """Return a factor of a positive definite matrix, or raise NotPositiveDefiniteError."""
+
+    def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
+        """Return a factor of any matrix; SingularMatrixError where there is none."""
 
 
 class SuperLUSolver:
@@ -48,7 +62,11 @@ class SuperLUSolver:
 
     name = "superlu"
 
-    def factor(self, matrix: csc_matrix) -> Factor:
+    def cholesky(self, matrix: csc_matrix) -> Factor:
+        """See `LinearSolver`."""
+        return _definite(self, matrix)
+
+    def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
         """See `LinearSolver`."""
         return _SuperLUFactor(matrix)
 
@@ -69,58 +87,132 @@ class _SuperLUFactor:
 
 
 class MumpsSolver:
-    """MUMPS through PETSc: L D L' of the upper half, whose ordering is found once."""
+    """MUMPS through PETSc: L D L' of any matrix."""
 
     name = "mumps"
 
     def __init__(self) -> None:
+        self._petsc = _PetscSystem("mumps", {})
+
+    def cholesky(self, matrix: csc_matrix) -> Factor:
+        """See `LinearSolver`."""
+        return _definite(self, matrix)
+
+    def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
+        """See `LinearSolver`."""
+        self._petsc.factorise(matrix)
+        return _MumpsFactor(self._petsc)
+
+
+class CholmodSolver:
+    """CHOLMOD through PETSc: L L' by supernodes; it has no L D L', which is left to MUMPS."""
+
+    name = "cholmod"
+
+    def __init__(self) -> None:
+        # supernodes at any size, because the other way does not notice negative pivots
+        self._petsc = _PetscSystem("cholmod", {"supernodal_switch": 0, "print": 0})
+        self._mumps = MumpsSolver()
+
+    def cholesky(self, matrix: csc_matrix) -> Factor:
+        """See `LinearSolver`."""
+        try:
+            self._petsc.factorise(matrix)
+        except self._petsc.Error as error:
+            if error.ierr != _PETSC_BAD_CHOLESKY_PIVOT:
+                raise
+            raise NotPositiveDefiniteError("the stiffness is not positive definite") from error
+        return self._petsc
+
+    def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
+        """See `LinearSolver`."""
+        return self._mumps.factor(matrix)
+
+
+class _PetscSystem:
+    """The upper half of a matrix in PETSc, its direct solver, and the factor that it holds."""
+
+    def __init__(self, package: str, options: dict[str, float]) -> None:
         from petsc4py import PETSc
 
         self._petsc = PETSc
+        self.Error = PETSc.Error
         self._solver = PETSc.KSP().create(PETSc.COMM_SELF)
         self._solver.setType(PETSc.KSP.Type.PREONLY)
+        self._solver.setOptionsPrefix("dshell_")
         preconditioner = self._solver.getPC()
         preconditioner.setType(PETSc.PC.Type.CHOLESKY)
-        preconditioner.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        preconditioner.setFactorSolverType(package)
+        for name, value in options.items():
+            PETSc.Options("dshell_")[f"mat_{package}_{name}"] = value
         self._matrix: Any = None
+        self._analysed = False
 
-    def factor(self, matrix: csc_matrix) -> Factor:
-        """See `LinearSolver`."""
-        upper = triu(matrix, format="csr")
-        pattern = (kind.astype(self._petsc.IntType) for kind in (upper.indptr, upper.indices))
-        csr = (*pattern, upper.data)
+    @property
+    def package_data(self) -> Any:
+        """The factor as PETSc's matrix, which has its package's own data."""
+        return self._solver.getPC().getFactorMatrix()
+
+    def factorise(self, matrix: csc_matrix) -> None:
         if self._matrix is None:
-            comm = self._petsc.COMM_SELF
-            self._matrix = self._petsc.Mat().createSBAIJ(upper.shape, 1, csr=csr, comm=comm)
-        else:
-            self._matrix.setValuesCSR(*csr)
-            self._matrix.assemble()
+            self._keep_pattern(matrix)
+        # by columns the lower half is by rows the upper one, because the matrix is symmetric
+        self._matrix.setValuesCSR(*self._pattern, matrix.data[self._half])
+        self._matrix.assemble()
         self._solver.setOperators(self._matrix)
-        self._solver.setUp()
-        return _MumpsFactor(self._solver, self._petsc)
+        try:
+            self._solver.setUp()
+        except self.Error:
+            if not self._analysed:  # PETSc would analyse again, into a factor that is no longer new
+                self._solver.reset()
+            raise
+        self._analysed = True
 
-
-class _MumpsFactor:
-    def __init__(self, solver: Any, petsc: Any) -> None:
-        self._solver, self._petsc = solver, petsc
-        factor = solver.getPC().getFactorMatrix()
-        if factor.getMumpsInfog(_MUMPS_ERROR) < 0:
-            raise SingularMatrixError(
-                f"the stiffness is singular (MUMPS: {factor.getMumpsInfog(_MUMPS_ERROR)})"
-            )
-        self.negative = int(factor.getMumpsInfog(_MUMPS_NEGATIVE_PIVOTS))
+    def _keep_pattern(self, matrix: csc_matrix) -> None:
+        size = matrix.shape[0]
+        columns = np.repeat(np.arange(size), np.diff(matrix.indptr))
+        self._half = np.flatnonzero(matrix.indices >= columns)
+        starts = np.searchsorted(columns[self._half], np.arange(size + 1))
+        places = (starts, matrix.indices[self._half])
+        self._pattern = tuple(kind.astype(self._petsc.IntType) for kind in places)
+        self._matrix = self._petsc.Mat().createSBAIJ(
+            matrix.shape, 1, csr=(*self._pattern, matrix.data[self._half]),
+            comm=self._petsc.COMM_SELF,
+        )  # fmt: skip
 
     def solve(self, right_side: Array) -> Array:
         """See `Factor`."""
-        vector, comm = self._petsc.Vec(), self._petsc.COMM_SELF
         solution = np.empty_like(right_side)
-        self._solver.solve(
-            vector.createWithArray(right_side, comm=comm),
-            self._petsc.Vec().createWithArray(solution, comm=comm),
+        vectors = (
+            self._petsc.Vec().createWithArray(array, comm=self._petsc.COMM_SELF)
+            for array in (right_side, solution)
         )
+        self._solver.solve(*vectors)
         return solution
 
 
+class _MumpsFactor:
+    def __init__(self, system: _PetscSystem) -> None:
+        data = system.package_data
+        if data.getMumpsInfog(_MUMPS_ERROR) < 0:
+            raise SingularMatrixError(
+                f"the stiffness is singular (MUMPS: {data.getMumpsInfog(_MUMPS_ERROR)})"
+            )
+        self.solve = system.solve
+        self.negative = int(data.getMumpsInfog(_MUMPS_NEGATIVE_PIVOTS))
+
+
 def best_linear_solver() -> LinearSolver:
-    """Return MUMPS where petsc4py is there, SuperLU otherwise."""
-    return MumpsSolver() if find_spec("petsc4py") else SuperLUSolver()
+    """Return CHOLMOD where petsc4py is there, SuperLU otherwise."""
+    return CholmodSolver() if find_spec("petsc4py") else SuperLUSolver()
+
+
+def _definite(solver: LinearSolver, matrix: csc_matrix) -> Factor:
+    """Return the factor L D L' of a matrix whose pivots are all positive."""
+    try:
+        factor = solver.factor(matrix)
+    except SingularMatrixError as error:
+        raise NotPositiveDefiniteError(str(error)) from error
+    if factor.negative > 0:
+        raise NotPositiveDefiniteError(f"the stiffness has {factor.negative} negative eigenvalues")
+    return factor

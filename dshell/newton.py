@@ -19,7 +19,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
 from dshell.assembly import Assembly, Energy
-from dshell.linear_solver import Factor, LinearSolver, SingularMatrixError
+from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError
 
 Array = NDArray[np.float64]
 
@@ -151,14 +151,19 @@ class EquilibriumSolver:
 
     def unstable_modes(self, body: Body, state: Array) -> int:
         """Return the number of negative eigenvalues of the exact Hessian."""
-        return self._exact(body, state).negative
+        hessian = self.assembly.hessian(body.energies, state)
+        try:
+            self._linear.cholesky(hessian)
+        except NotPositiveDefiniteError:
+            return self._linear.factor(hessian).negative
+        return 0
 
     def unstable_direction(self, body: Body, state: Array) -> Array:
         """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
-        factor = self._exact(body, state)
+        hessian = self.assembly.hessian(body.energies, state)
+        factor = self._linear.factor(hessian)
         size = len(self.assembly.free)
         inverse = LinearOperator((size, size), matvec=factor.solve, dtype=float)
-        hessian = self.assembly.hessian(body.energies, state)
         begin = np.random.default_rng(0).normal(size=size)
         _, modes = eigsh(hessian, k=1, sigma=0.0, OPinv=inverse, which="SA", v0=begin)
         direction = np.zeros_like(state)
@@ -207,18 +212,18 @@ class EquilibriumSolver:
 
     def _descent(self, body: Body, state: Array) -> Factor:
         try:
-            exact = self._exact(body, state)
-            if exact.negative == 0:
-                return exact
-        except SingularMatrixError:
-            pass
+            return self._linear.cholesky(self.assembly.hessian(body.energies, state))
+        except NotPositiveDefiniteError:
+            return self._convex(body, state)
+
+    def _convex(self, body: Body, state: Array) -> Factor:
         convex = self.assembly.convex_hessian(body.energies, state)
         diagonal = convex.diagonal()
         convex.setdiag(diagonal + CONVEX_SHIFT * diagonal.mean())
-        return self._linear.factor(convex)
-
-    def _exact(self, body: Body, state: Array) -> Factor:
-        return self._linear.factor(self.assembly.hessian(body.energies, state))
+        try:
+            return self._linear.cholesky(convex)
+        except NotPositiveDefiniteError as error:
+            raise NoDescentError("round-off hides the convex relative of the stiffness") from error
 
 
 def _lower(

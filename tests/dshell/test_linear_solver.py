@@ -1,4 +1,4 @@
-"""Both sparse solvers: solutions, and negative eigenvalues against a dense count."""
+"""The sparse solvers: solutions, and negative eigenvalues against a dense count."""
 
 from importlib.util import find_spec
 
@@ -6,11 +6,17 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix, diags, random
 
-from dshell.linear_solver import MumpsSolver, SingularMatrixError, SuperLUSolver
+from dshell.linear_solver import (
+    CholmodSolver,
+    MumpsSolver,
+    NotPositiveDefiniteError,
+    SingularMatrixError,
+    SuperLUSolver,
+)
 
 SOLVERS = [SuperLUSolver]
 if find_spec("petsc4py"):
-    SOLVERS.append(MumpsSolver)
+    SOLVERS += [MumpsSolver, CholmodSolver]
 
 
 @pytest.fixture(params=SOLVERS)
@@ -32,7 +38,20 @@ def test_solutions_and_negative_eigenvalues(solver):
         assert matrix @ factor.solve(right) == pytest.approx(right, abs=1e-9)
 
 
+def test_cholesky_tells_whether_all_eigenvalues_are_positive(solver):
+    for shift in (3.0, -0.2, 2.5, 0.7, 3.5):
+        matrix = symmetric(1, shift)
+        right = np.arange(60.0)
+        if np.linalg.eigvalsh(matrix.toarray())[0] > 0:
+            assert matrix @ solver.cholesky(matrix).solve(right) == pytest.approx(right, abs=1e-9)
+        else:
+            with pytest.raises(NotPositiveDefiniteError):
+                solver.cholesky(matrix)
+
+
 def test_no_stiffness_at_all_is_singular(solver):
     zero = csc_matrix((np.zeros(3), np.arange(3), np.arange(4)), shape=(3, 3))
     with pytest.raises(SingularMatrixError, match="singular"):
         solver.factor(zero)
+    with pytest.raises(NotPositiveDefiniteError):
+        solver.cholesky(zero)
