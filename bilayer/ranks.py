@@ -21,6 +21,12 @@ def _world_rank() -> int:
     return 0 if communicator is None else communicator.Get_rank()
 
 
+def world_of_ranks() -> Any:
+    """Return COMM_WORLD where several ranks are in it, else None."""
+    communicator = _communicator()
+    return None if communicator is None or communicator.Get_size() == 1 else communicator
+
+
 def _communicator() -> Any:
     """Return COMM_WORLD where MPI is in use in this process, else None."""
     mpi = sys.modules.get("mpi4py.MPI")
@@ -29,6 +35,6 @@ def _communicator() -> Any:
 
 def abort_other_ranks() -> None:
     """End the ranks that would wait for ever for one that met an unexpected error."""
-    communicator = _communicator()
-    if communicator is not None and communicator.Get_size() > 1:
+    communicator = world_of_ranks()
+    if communicator is not None:
         communicator.Abort(1)

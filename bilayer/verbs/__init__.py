@@ -1,7 +1,7 @@
 """The verbs of the command line, a module each: `add` its arguments, `run` it."""
 
-from bilayer.verbs import compare, convert, export, import_, info, init, mesh, plot, solve
+from bilayer.verbs import compare, convert, export, import_, info, init, mesh, plot, solve, study
 
-VERBS = (init, mesh, solve, compare, plot, convert, export, import_, info)
+VERBS = (init, mesh, solve, compare, plot, convert, export, import_, info, study)
 
 __all__ = ["VERBS"]

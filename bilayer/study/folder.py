@@ -1,0 +1,245 @@
+"""The folder of a study: what is kept of it on the disk, and what that says of each case.
+
+plan.json             the cases of the last start, with the values that vary
+cases/HASH.nc         a finished case; whole, because it is moved there when it is complete
+cases/HASH.failed     why a case failed, as JSON
+study.log             a line for every case begun and ended, by any process
+study.csv             the index, made anew from the files above
+"""
+
+import fcntl
+import json
+import os
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from bilayer.errors import ComputationError, InputError
+from bilayer.output_file import check_writable, whole_file
+from bilayer.result import write_result
+from bilayer.study.case import Case
+from bilayer.study.plan import StudyPlan
+
+BEGUN, DONE, FAILED, NOT_WRITTEN = "begun", "done", "failed", "not written"
+
+
+class StudyFolder:
+    """The files of a study.
+
+    Parameters
+    ----------
+    path : path-like
+        The folder, made by `make`.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+
+    @property
+    def plan_file(self) -> Path:
+        """The cases of the last start."""
+        return self.path / "plan.json"
+
+    @property
+    def index_file(self) -> Path:
+        """The index, a table."""
+        return self.path / "study.csv"
+
+    @property
+    def log_file(self) -> Path:
+        """What was begun and what ended."""
+        return self.path / "study.log"
+
+    def result_file(self, identity: str) -> Path:
+        """Return where the result of a case is, or will be."""
+        return self.path / "cases" / f"{identity}.nc"
+
+    def failure_file(self, identity: str) -> Path:
+        """Return where the reason of a failed case is."""
+        return self.path / "cases" / f"{identity}.failed"
+
+    def make(self) -> None:
+        """Make the folder, unless it is there.
+
+        Raises
+        ------
+        InputError
+            It cannot be made or written.
+        """
+        try:
+            (self.path / "cases").mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"study folder {self.path}: cannot be made ({error.strerror})"
+            ) from error
+        check_writable(self.log_file)
+
+    def keep_plan(self, plan: StudyPlan) -> None:
+        """Write the plan: what the index and the dataset are made by.
+
+        Raises
+        ------
+        ComputationError
+            Writing failed, for example on a full disk.
+        """
+        entries = [
+            {
+                "case": case.identity,
+                "solver": case.solver,
+                "model": case.model,
+                "mesh": case.mesh_identity,
+                "milestones": case.specimen.prestretch.nominal,
+                "values": dict(case.values),
+            }
+            for case in plan.cases
+        ]
+        with whole_file(self.plan_file, "study plan") as partial:
+            text = json.dumps({"fields": plan.fields, "cases": entries}, indent=1)
+            partial.write_text(text, encoding="utf-8")
+
+    def planned(self) -> dict[str, Any]:
+        """Return what `keep_plan` wrote: `fields` and `cases`.
+
+        Raises
+        ------
+        InputError
+            There is no study in this folder.
+        """
+        try:
+            plan: dict[str, Any] = json.loads(self.plan_file.read_text(encoding="utf-8"))
+        except (OSError, json.JSONDecodeError) as error:
+            raise InputError(
+                f"study folder {self.path}: has no plan.json that can be read, expected the "
+                "folder of `bilayer study`"
+            ) from error
+        return plan
+
+    def has_result(self, identity: str) -> bool:
+        """Whether a case is finished, be it that it stopped early."""
+        return self.result_file(identity).exists()
+
+    def log(self, event: str, case: Case, note: str = "") -> None:
+        """Add a line to the log, whichever process this is.
+
+        Raises
+        ------
+        ComputationError
+            It cannot be written, for example on a full disk.
+        """
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        words = [now, event, case.identity, f"process {os.getpid()}", str(case), note]
+        line = "\t".join(words).rstrip() + "\n"
+        try:
+            with self.log_file.open("a", encoding="utf-8") as log:
+                log.write(line)
+        except OSError as error:
+            raise ComputationError(
+                f"study log {self.log_file}: cannot be written ({error.strerror})"
+            ) from error
+
+    def begun_without_end(self) -> set[str]:
+        """Return the cases that some process began and did not end: it was killed, or crashed."""
+        begun: Counter[str] = Counter()
+        if self.log_file.exists():
+            for line in self.log_file.read_text(encoding="utf-8", errors="replace").splitlines():
+                words = line.split("\t")
+                if len(words) > 2:
+                    begun[words[2]] += 1 if words[1] == BEGUN else -1
+        return {identity for identity, count in begun.items() if count > 0}
+
+    def keep_result(self, case: Case, result: xr.Dataset, seconds: float) -> None:
+        """Write the result of a case, whole or not at all, and log it.
+
+        Raises
+        ------
+        ComputationError
+            Writing failed, for example on a full disk; the case stays to be computed.
+        """
+        result.attrs |= {"study_case": case.identity, "study_case_seconds": seconds}
+        try:
+            write_result(result, self.result_file(case.identity))
+        except (ComputationError, InputError) as error:
+            with suppress(ComputationError):
+                self.log(NOT_WRITTEN, case, str(error))
+            raise
+        self.failure_file(case.identity).unlink(missing_ok=True)
+        self.log(DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
+
+    def keep_failure(self, case: Case, reason: str, trace: str = "") -> None:
+        """Record why a case has no result, and log it.
+
+        Raises
+        ------
+        ComputationError
+            Writing failed, for example on a full disk.
+        """
+        record = {"reason": " ".join(reason.split()), "trace": trace}
+        with whole_file(self.failure_file(case.identity), "failure record") as partial:
+            partial.write_text(json.dumps(record, indent=1), encoding="utf-8")
+        self.log(FAILED, case, record["reason"])
+
+    def failure(self, identity: str) -> str:
+        """Return why a case failed, or an empty text."""
+        try:
+            text = self.failure_file(identity).read_text(encoding="utf-8")
+        except OSError:
+            return ""
+        return str(json.loads(text)["reason"])
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Hold the folder for one study at a time; wait for what a killed one left running.
+
+        Raises
+        ------
+        ComputationError
+            Another study is running in the folder.
+        """
+        with self._locked(".lock", fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+            if not held:
+                raise ComputationError(
+                    f"study folder {self.path}: another study is running in it; end that one, "
+                    "or wait for it"
+                )
+            self._wait_for_workers()
+            yield
+
+    @contextmanager
+    def at_work(self) -> Iterator[None]:
+        """Mark this process, for as long as it lives, as one that writes into the folder."""
+        with self._locked(".workers", fcntl.LOCK_SH):
+            yield
+
+    def _wait_for_workers(self) -> None:
+        told = False
+        while True:
+            with self._locked(".workers", fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
+                if free:
+                    return
+            if not told:
+                print(
+                    "bilayer: waiting for processes of an earlier start that still compute",
+                    file=sys.stderr,
+                )
+                told = True
+            time.sleep(0.2)
+
+    @contextmanager
+    def _locked(self, name: str, operation: int) -> Iterator[bool]:
+        """Hold a lock that ends with this process, whatever ends it; false where it is taken."""
+        with (self.path / name).open("a") as lock:
+            try:
+                fcntl.flock(lock, operation)
+            except BlockingIOError:
+                yield False
+                return
+            except OSError:  # a file system without locks, as some of clusters: go on without
+                pass
+            yield True

@@ -1,0 +1,98 @@
+"""The index of a study: a table of every case and prestretch, made from the files of its folder."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bilayer.errors import InputError
+from bilayer.output_file import whole_file
+from bilayer.solvers import settings_kind
+from bilayer.study.folder import StudyFolder
+from bilayer.study.scalars import Scalars, read_scalars
+
+DONE, STOPPED, FAILED, MISSING = "done", "stopped early", "failed", "missing"
+SHOWN = (
+    "converged", "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height",
+    "unstable_modes", "self_contact_gap", "load_steps", "iterations", "residual",
+)  # fmt: skip
+TIMINGS = ("wall_time", "case_seconds")
+"""The columns that differ from run to run."""
+
+
+def read_index(folder: StudyFolder) -> pd.DataFrame:
+    """Return the index of a study, from its files.
+
+    Returns
+    -------
+    DataFrame
+        A row per case and milestone: the case's hash, solver, model, the varied values,
+        `prestretch`, `status` (done, stopped early, failed, missing), scalars of the result in
+        SI units, the `reason` where something is missing, what made it, and the timings.
+    """
+    planned = folder.planned()
+    rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
+    return pd.DataFrame(rows)
+
+
+def write_index(folder: StudyFolder) -> pd.DataFrame:
+    """Write `study.csv` anew; return the index.
+
+    Raises
+    ------
+    ComputationError
+        Writing failed, for example on a full disk; the earlier index stays.
+    """
+    index = read_index(folder)
+    with whole_file(folder.index_file, "study index") as partial:
+        index.to_csv(partial, index=False)
+    return index
+
+
+def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> list[dict[str, Any]]:
+    varied = {name: entry["values"].get(name) for name in fields if name != "solver"}
+    named = {"case": entry["case"], "solver": entry["solver"], "model": entry["model"], **varied}
+    stored, status, reason = _state(folder, entry)
+    count = len(entry["milestones"])
+    columns = {name: _column(stored, name, count) for name in (*SHOWN, "wall_time")}
+    made = {} if stored is None else stored.attributes
+    return [
+        {
+            **named,
+            "prestretch": stretch,
+            "status": status,
+            **{name: columns[name][k] for name in SHOWN},
+            "reason": reason,
+            "triangles": 0 if stored is None else stored.triangles,
+            "versions": made.get("versions", ""),
+            "git_commit": made.get("git_commit", ""),
+            "wall_time": columns["wall_time"][k],
+            "case_seconds": made.get("study_case_seconds", np.nan),
+        }
+        for k, stretch in enumerate(entry["milestones"])
+    ]
+
+
+def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | None, str, str]:
+    """Return what is stored of a case, its status, and the reason of it."""
+    path = folder.result_file(entry["case"])
+    if not path.exists():
+        reason = folder.failure(entry["case"])
+        return None, FAILED if reason else MISSING, reason
+    try:
+        stored = read_scalars(path)
+    except InputError as error:
+        return None, FAILED, str(error)
+    reason = str(stored.attributes["stop_reason"])
+    kind = settings_kind(entry["solver"], entry["model"])
+    ended_well = bool(np.all(stored.values["converged"] == 1)) or getattr(
+        kind, "stopping_is_a_result", False
+    )
+    return stored, DONE if ended_well else STOPPED, reason
+
+
+def _column(stored: Scalars | None, name: str, count: int) -> Any:
+    if stored is None or name not in stored.values:
+        return np.full(count, np.nan)
+    return stored.values[name]

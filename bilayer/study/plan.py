@@ -1,0 +1,229 @@
+"""The plan of a study: its cases, all of them valid, read from a study file.
+
+A field is named as on the command line: `cut.strips` of the specimen, and `settings.dshell.profile`
+for a setting of one solver (`settings.dshell.model` for its model). Rows that differ in the
+prestretch alone are one case: its milestones lie on one load path.
+"""
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bilayer.errors import InputError
+from bilayer.mesh_generation import check_memory
+from bilayer.settings import settings_from
+from bilayer.solvers import SOLVERS, settings_kind, solver_package
+from bilayer.specimen import Specimen
+from bilayer.specimen_file import parse_specimen
+from bilayer.study.case import Case
+from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
+from bilayer.validation import nearest, one_of
+
+KEYS = ("specimen", "solver", "settings", "vary", "zip", "sample")
+MILESTONES = "prestretch.milestones"
+SOLVER = "solver"
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """All cases of a study.
+
+    Parameters
+    ----------
+    fields : tuple of str
+        Dotted names of what varies from case to case, `solver` among them where it does.
+    cases : tuple of Case
+        Each once, in the order of the study file.
+    """
+
+    fields: tuple[str, ...]
+    cases: tuple[Case, ...]
+
+
+def read_study(path: str | Path) -> StudyPlan:
+    """Read a study file; every case is checked.
+
+    Parameters
+    ----------
+    path : path-like
+        The TOML file; the specimen's path in it is relative to its folder.
+
+    Raises
+    ------
+    InputError
+        A file is missing or malformed, a field is unknown, or a case is not valid: the message
+        names the case and the field.
+    """
+    tables = _tables(Path(path))
+    specimen_file = tables.get("specimen")
+    if not isinstance(specimen_file, str):
+        raise InputError(f"study file {path}: specimen = {specimen_file!r}: expected a file name")
+    specimen_text = _text(Path(path).parent / specimen_file, "specimen file")
+    solvers = _solvers(tables.get("solver"))
+    settings = _settings_tables(tables.get("settings", {}), solvers)
+    varied = _varied_rows(tables)
+    _check_fields(varied[0], solvers)
+    return plan_of(specimen_text, solvers, settings, varied)
+
+
+def plan_of(
+    specimen_text: str,
+    solvers: Sequence[str],
+    settings: Mapping[str, Mapping[str, Any]],
+    rows: Sequence[Row],
+) -> StudyPlan:
+    """Return the plan of some rows of values, each with every solver.
+
+    Parameters
+    ----------
+    specimen_text : str
+        The specimen that is varied, as TOML.
+    solvers : sequence of str
+        Names as in `bilayer.solvers`.
+    settings : mapping
+        For each solver a table of its `model` and settings, as far as they are not the defaults.
+    rows : sequence of dict
+        Values by dotted name, the same names in each.
+    """
+    cases: dict[str, Case] = {}
+    complaints = []
+    for number, (solver, (values, milestones)) in enumerate(
+        product(solvers, _load_paths(rows)), start=1
+    ):
+        own = {name: value for name, value in values.items() if _concerns(name, solver)}
+        try:
+            case = _case(specimen_text, solver, settings.get(solver, {}), own, milestones)
+        except InputError as error:
+            words = ", ".join(f"{name} = {value}" for name, value in own.items())
+            complaints.append(f"case {number} ({words or solver}): {error}")
+        else:
+            cases.setdefault(case.identity, case)
+    if complaints:
+        others = f" (and {len(complaints) - 1} more such cases)" if len(complaints) > 1 else ""
+        raise InputError(complaints[0] + others)
+    names = [name for name in rows[0] if name != MILESTONES]
+    fields = [SOLVER, *names] if len(solvers) > 1 else names
+    return StudyPlan(tuple(fields), tuple(cases.values()))
+
+
+def _tables(path: Path) -> dict[str, Any]:
+    try:
+        tables = tomllib.loads(_text(path, "study file"))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"study file {path}: not a valid TOML file ({error})") from error
+    for key in tables:
+        if key not in KEYS:
+            expected = f"expected one of {', '.join(KEYS)}"
+            raise InputError(f"study file {path}: {key}: unknown, {expected}{nearest(key, KEYS)}")
+    for key in ("settings", "vary", "zip", "sample"):
+        if not isinstance(tables.get(key, {}), dict):
+            raise InputError(
+                f"study file {path}: {key} = {tables[key]!r}: expected a table [{key}]"
+            )
+    return tables
+
+
+def _text(path: Path, what: str) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not a text file"
+        raise InputError(f"{what} {path}: cannot be read ({reason})") from error
+
+
+def _solvers(given: Any) -> list[str]:
+    names = given if isinstance(given, list) else [given]
+    if not names:
+        raise InputError("solver = []: expected at least one")
+    return [one_of("solver", name, SOLVERS) for name in dict.fromkeys(names)]
+
+
+def _settings_tables(given: Mapping[str, Any], solvers: Iterable[str]) -> dict[str, Any]:
+    for name, table in given.items():
+        one_of("settings", name, solvers)
+        if not isinstance(table, Mapping):
+            raise InputError(f"settings.{name} = {table!r}: expected a table [settings.{name}]")
+    return dict(given)
+
+
+def _varied_rows(tables: Mapping[str, Any]) -> list[Row]:
+    parts = [
+        product_rows(tables.get("vary", {})),
+        zipped_rows(tables.get("zip", {})),
+        sampled_rows(tables.get("sample", {})),
+    ]
+    names = [name for rows in parts for name in rows[0]]
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if twice:
+        raise InputError(f"{twice[0]}: given in two of [vary], [zip], [sample], expected one")
+    return [{**a, **b, **c} for a, b, c in product(*parts)]
+
+
+def _check_fields(names: Iterable[str], solvers: Sequence[str]) -> None:
+    """Check what the specimen's own reader cannot: the names of settings."""
+    for name in names:
+        table, _, rest = name.partition(".")
+        if table == SOLVER:
+            raise InputError(f"{name}: expected settings.{solvers[0]}.{rest or 'NAME'}")
+        if table == "settings":
+            solver, _, setting = rest.partition(".")
+            one_of(f"solver of the field {name}", solver, solvers)
+            if not setting:
+                raise InputError(f"{name}: expected settings.{solver}.NAME")
+
+
+def _load_paths(rows: Sequence[Row]) -> list[tuple[Row, list[Any]]]:
+    """Return the rows without their prestretch, each once, and the prestretches of each."""
+    paths: dict[str, tuple[Row, list[Any]]] = {}
+    for row in rows:
+        values = {name: value for name, value in row.items() if name != MILESTONES}
+        _, milestones = paths.setdefault(json.dumps(values), (values, []))
+        if MILESTONES in row and row[MILESTONES] not in milestones:
+            milestones.append(row[MILESTONES])
+    return list(paths.values())
+
+
+def _concerns(name: str, solver: str) -> bool:
+    return not name.startswith("settings.") or name.startswith(f"settings.{solver}.")
+
+
+def _case(
+    specimen_text: str,
+    solver: str,
+    settings: Mapping[str, Any],
+    values: Row,
+    milestones: list[Any],
+) -> Case:
+    prefix = f"settings.{solver}."
+    chosen = dict(settings)
+    overrides = []
+    for name, value in values.items():
+        if name.startswith(prefix):
+            chosen[name.removeprefix(prefix)] = value
+        else:
+            overrides.append(f"{name}={json.dumps(value)}")
+    if milestones:
+        overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
+    specimen = parse_specimen(specimen_text, overrides, source="the study's specimen")
+    model = chosen.pop("model", next(iter(solver_package(solver).MODELS)))
+    kind: Any = settings_kind(solver, model)
+    _check_memory(specimen, solver)
+    return Case(specimen, solver, model, settings_from(kind, chosen), values)
+
+
+def _ascending(milestones: list[Any]) -> list[Any]:
+    """Return the milestones in the order of a load path, a pair by its larger number."""
+    try:
+        return sorted(milestones, key=lambda stretch: max(np.atleast_1d(stretch)))
+    except TypeError:
+        return milestones  # no numbers: the specimen's reader says so
+
+
+def _check_memory(specimen: Specimen, solver: str) -> None:
+    check_memory(specimen, solver_package(solver).BYTES_PER_TRIANGLE, f"the solver {solver!r}")

@@ -1,0 +1,88 @@
+"""The cases of a study on the cores of one machine, a process for each.
+
+Every process is a pool of its own, so that when one dies (a crash in a compiled library, the
+system short of memory) it is known which case it was computing, and the others go on.
+"""
+
+import multiprocessing
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
+
+from bilayer.study.case import Case
+from bilayer.study.compute import compute_case
+from bilayer.study.folder import StudyFolder
+
+DIED = "the process that computed it died: a crash in a compiled library, or killed from outside"
+
+
+def available_cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def compute_in_processes(
+    cases: Sequence[Case], folder: StudyFolder, jobs: int, told: Callable[[Case], None]
+) -> None:
+    """Compute cases, in their order, `jobs` at a time.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        The longest first is best.
+    folder : StudyFolder
+        Where they are kept; held by the caller.
+    jobs : int
+        Number of processes.
+    told : callable
+        Called with each case that has ended, well or not.
+
+    Raises
+    ------
+    ComputationError
+        The folder cannot be written; the cases that run at that moment are finished first.
+    """
+    waiting = deque(cases)
+    running: dict[Future[None], tuple[ProcessPoolExecutor, Case]] = {}
+
+    def give_next(worker: ProcessPoolExecutor) -> None:
+        if waiting:
+            case = waiting.popleft()
+            running[worker.submit(compute_case, case, folder)] = worker, case
+
+    with ExitStack() as workers:
+        for _ in range(min(jobs, len(cases))):
+            give_next(workers.enter_context(_worker(folder)))
+        while running:
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                worker, case = running.pop(future)
+                try:
+                    future.result()
+                except BrokenProcessPool:
+                    folder.keep_failure(case, DIED)
+                    worker = workers.enter_context(_worker(folder))
+                told(case)
+                give_next(worker)
+
+
+def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
+    context = multiprocessing.get_context("forkserver")  # not from this process, which may use MPI
+    context.set_forkserver_preload([__name__])
+    return ProcessPoolExecutor(1, context, initializer=_begin_work, initargs=(folder,))
+
+
+def _begin_work(folder: StudyFolder) -> None:
+    threading.Thread(target=_live_with_the_study, args=(folder,), daemon=True).start()
+
+
+def _live_with_the_study(folder: StudyFolder) -> None:
+    """Mark this process as a writer in the folder, and end it when the study's process ends."""
+    study = multiprocessing.parent_process()
+    assert study is not None, "a worker is started by the study"
+    with folder.at_work():
+        study.join()
+        os._exit(1)

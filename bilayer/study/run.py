@@ -1,0 +1,180 @@
+"""A study from its plan to its index: what is missing is computed, what is there is kept."""
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from typing import Any
+
+import pandas as pd
+
+from bilayer.errors import InputError
+from bilayer.solvers import Progress
+from bilayer.study.case import Case
+from bilayer.study.compute import compute_case
+from bilayer.study.folder import StudyFolder
+from bilayer.study.index import FAILED, STOPPED, read_index, write_index
+from bilayer.study.plan import StudyPlan
+from bilayer.study.processes import available_cores, compute_in_processes
+from bilayer.study.rank_groups import compute_on_ranks, prepared_by_first
+
+
+def run_study(
+    plan: StudyPlan,
+    path: Any,
+    *,
+    jobs: int | None = None,
+    retry_failed: bool = False,
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Compute what a study's folder lacks, on the cores of this machine.
+
+    Parameters
+    ----------
+    plan : StudyPlan
+        From `bilayer.study.plan.read_study`.
+    path : path-like
+        The study's folder, made where it is missing.
+    jobs : int, optional
+        Cases computed at a time; the number of cores that this process may use where left out.
+    retry_failed : bool
+        Compute also those that failed or stopped early in an earlier start.
+    progress : callable, optional
+        See `bilayer.solvers.Progress`.
+
+    Returns
+    -------
+    DataFrame
+        The index, see `bilayer.study.index`.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be made.
+    ComputationError
+        Another study runs in the folder, or it cannot be written any more, for example on a full
+        disk; the cases that are finished stay.
+    """
+    folder = StudyFolder(path)
+    folder.make()
+    with folder.alone():
+        folder.keep_plan(plan)
+        waiting = cases_to_compute(plan, folder, retry_failed)
+        count = available_cores() if jobs is None else jobs
+        compute_in_processes(waiting, folder, count, _teller(waiting, progress))
+        return write_index(folder)
+
+
+def run_study_on_ranks(
+    plan: StudyPlan,
+    path: Any,
+    world: Any,
+    *,
+    ranks_per_case: int = 1,
+    retry_failed: bool = False,
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Compute what a study's folder lacks, on the ranks of mpirun; see `run_study`.
+
+    Parameters
+    ----------
+    plan, path, retry_failed, progress
+        As for `run_study`, the same on all ranks; the first reports the progress.
+    world : mpi4py.MPI.Comm
+        All ranks.
+    ranks_per_case : int
+        Ranks that share one case, where its solver can.
+    """
+    if ranks_per_case > world.Get_size():
+        raise InputError(
+            f"--ranks-per-case = {ranks_per_case}: expected at most the {world.Get_size()} ranks "
+            "of mpirun"
+        )
+    folder = StudyFolder(path)
+    with ExitStack() as held:
+
+        def prepare() -> list[Case]:
+            folder.make()
+            held.enter_context(folder.alone())
+            folder.keep_plan(plan)
+            return cases_to_compute(plan, folder, retry_failed)
+
+        waiting = prepared_by_first(world, prepare)
+        tell = _teller(waiting, progress if world.Get_rank() == 0 else None)
+        with folder.at_work():
+            compute_on_ranks(world, waiting, folder, ranks_per_case, tell)
+        return prepared_by_first(world, lambda: write_index(folder))
+
+
+def run_one_case(
+    plan: StudyPlan,
+    path: Any,
+    number: int,
+    *,
+    world: Any = None,
+    retry_failed: bool = False,
+) -> None:
+    """Compute one case of a study by its number, unless it is there; a task of a job array.
+
+    The index is left to the next start of the whole study.
+
+    Parameters
+    ----------
+    plan, path, retry_failed
+        As for `run_study`.
+    number : int
+        Place of the case in the study, from 1.
+    world : mpi4py.MPI.Comm, optional
+        Ranks that share the case.
+
+    Raises
+    ------
+    InputError
+        There is no such case.
+    ComputationError
+        The folder cannot be written.
+    """
+    if not 1 <= number <= len(plan.cases):
+        raise InputError(f"--case = {number}: expected a number from 1 to {len(plan.cases)}")
+    case = plan.cases[number - 1]
+    folder = StudyFolder(path)
+
+    def prepare() -> bool:
+        folder.make()
+        folder.keep_plan(plan)
+        return case in cases_to_compute(plan, folder, retry_failed)
+
+    missing = prepare() if world is None else prepared_by_first(world, prepare)
+    if missing:
+        compute_case(case, folder, world)
+
+
+def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -> list[Case]:
+    """Return the cases that the folder lacks, the longest first.
+
+    Those that were begun and never ended come last: if one of them is what brings a run down, all
+    others are finished by then. `retry_failed` adds what failed or stopped early.
+    """
+    waiting = [
+        case
+        for case in plan.cases
+        if not (folder.has_result(case.identity) or folder.failure(case.identity))
+    ]
+    if retry_failed:
+        index = read_index(folder)
+        failed = set(index["case"][index["status"].isin([FAILED, STOPPED])])
+        waiting += [case for case in plan.cases if case.identity in failed]
+    suspects = folder.begun_without_end()
+    return sorted(waiting, key=lambda case: (case.identity in suspects, -case.cost))
+
+
+def _teller(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:
+    """Return what is called with each case that has ended, and reports the progress."""
+    ended: list[Case] = []
+    whole = sum(case.cost for case in cases)
+
+    def tell(case: Case) -> None:
+        ended.append(case)
+        if progress is not None:
+            fraction = sum(case.cost for case in ended) / whole
+            progress(fraction, f"{len(ended)} of {len(cases)} cases")
+
+    return tell

@@ -1,0 +1,195 @@
+"""Studies that are run, killed, resumed and changed: nothing is lost and nothing is done twice."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pandas as pd
+import pytest
+from studies_for_tests import QUICK, log_lines, write_study
+
+from bilayer import open_result
+from bilayer.command_line import main
+from bilayer.errors import ComputationError
+from bilayer.study.folder import StudyFolder
+from bilayer.study.index import TIMINGS, read_index
+from bilayer.study.plan import read_study
+from bilayer.study.run import run_study
+
+TWO_ANGLES = QUICK + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n'
+LONG = QUICK.replace("0.002", "0.08")
+"""Cases of some seconds, to be met in the middle."""
+
+
+@pytest.fixture
+def study(tmp_path):
+    """Write a study file; return how the command line is called for it, and the folder."""
+
+    def write(text):
+        return ["study", str(write_study(tmp_path, text)), "-o", str(tmp_path / "out"), "--quiet"]
+
+    return write, tmp_path / "out"
+
+
+def started(words, **options):
+    command = [sys.executable, "-m", "bilayer", *words]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, **options)
+
+
+def wait_for_log(folder, event, count=1):
+    for _ in range(1200):
+        if (folder / "study.log").exists() and len(log_lines(folder, event)) >= count:
+            return
+        time.sleep(0.05)
+    raise AssertionError(f"no {event!r} in the log within a minute")
+
+
+def test_a_second_start_computes_only_what_is_missing(study, capsys):
+    write, out = study
+    words = write(TWO_ANGLES)
+    assert main([*words, "--dry-run"]) == 0
+    assert "2 cases to compute; time unknown" in capsys.readouterr().out
+    assert not out.exists()
+    assert main(words) == 0
+    first = pd.read_csv(out / "study.csv")
+    assert list(first["status"]) == ["done"] * 4  # two cases of two milestones
+    assert len(log_lines(out, "done")) == 2
+    assert main(words) == 0
+    pd.testing.assert_frame_equal(pd.read_csv(out / "study.csv"), first)
+    changed = write(TWO_ANGLES.replace("[0.3, 0.4]", "[0.4, 0.5]"))
+    assert main([*changed, "--dry-run"]) == 0
+    told = capsys.readouterr().out
+    assert re.search("2 cases, 1 cases to compute; time about .* from 2 finished cases", told)
+    assert main(changed) == 0
+    done = log_lines(out, "done")
+    assert len(done) == len(set(done)) == 3
+    assert sorted(pd.read_csv(out / "study.csv")["cut.cutout_angle"].unique()) == [0.4, 0.5]
+
+
+def test_a_result_opens_as_any_other(study):
+    write, out = study
+    assert main(write(TWO_ANGLES.replace("[0.3, 0.4]", "[0.4]"))) == 0
+    (identity,) = log_lines(out, "done")
+    result = open_result(out / "cases" / f"{identity}.nc")
+    assert "cutout_angle = 0.4" in result.attrs["specimen"]
+    assert result.attrs["study_case"] == identity
+    index = read_index(StudyFolder(out))
+    assert list(index["quality"]) == list(result["quality"].values)
+
+
+def test_a_case_that_fails_is_recorded_and_stops_no_other(study, capsys):
+    """The printed shell refuses a true weight."""
+    write, out = study
+    words = write(QUICK + '[vary]\n"gravity.acceleration" = [9.81, 0.0]\n')
+    assert main(words) == 1
+    told = capsys.readouterr().err.strip().splitlines()
+    assert len(told) == 1
+    assert "gravity.acceleration = 9.81) failed: InputError:" in told[0]
+    index = pd.read_csv(out / "study.csv")
+    assert set(index["status"][index["gravity.acceleration"] == 0.0]) == {"done"}
+    assert main(words) == 1
+    assert len(log_lines(out, "failed")) == 1
+    assert main([*words, "--retry-failed"]) == 1
+    assert (len(log_lines(out, "failed")), len(log_lines(out, "done"))) == (2, 1)
+
+
+def test_a_case_that_diverges_keeps_its_file_and_is_told(study, capsys):
+    write, out = study
+    hopeless = 'model = "hinge"\nmax_iterations = 1\nsmallest_step = 1.0\n'
+    head, _, _ = QUICK.partition("model")
+    assert main(write(head + hopeless)) == 1
+    assert "stopped early: " in capsys.readouterr().err
+    index = pd.read_csv(out / "study.csv")
+    assert set(index["status"]) == {"stopped early"}
+    assert open_result(out / "cases" / f"{index['case'][0]}.nc").attrs["stop_reason"]
+
+
+def test_a_process_that_dies_takes_only_its_case(study):
+    write, out = study
+    words = write(LONG + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n')
+    running = started([*words, "--jobs", "1"])
+    wait_for_log(out, "begun")
+    line = (out / "study.log").read_text().split("\t")
+    os.kill(int(line[3].removeprefix("process ")), signal.SIGSEGV)
+    _, told = running.communicate(timeout=120)
+    assert running.returncode == 1
+    assert "failed: the process that computed it died" in told
+    assert log_lines(out, "failed") == [line[2]]
+    assert len(log_lines(out, "done")) == 1
+    assert main([*words, "--retry-failed"]) == 0
+    assert log_lines(out, "begun").count(line[2]) == 2
+
+
+def test_a_study_that_is_killed_goes_on(study):
+    """Its processes end with it; the next start waits for them, and does nothing twice."""
+    write, out = study
+    words = write(LONG + '[vary]\n"cut.cutout_angle" = [0.3, 0.4, 0.5]\n')
+    running = started([*words, "--jobs", "1"])
+    wait_for_log(out, "begun", count=2)
+    os.kill(running.pid, signal.SIGKILL)
+    running.communicate(timeout=60)
+    assert main(words) == 0
+    done = log_lines(out, "done")
+    assert len(done) == len(set(done)) == 3
+    begun = log_lines(out, "begun")
+    assert begun.index(begun[1], 2) == len(begun) - 1, "the interrupted case comes last"
+    index = pd.read_csv(out / "study.csv")
+    undisturbed = run_study(read_study(words[1]), out.parent / "again", jobs=1)
+    left, right = (
+        table.drop(columns=list(TIMINGS)).reset_index(drop=True)
+        for table in (index, pd.read_csv(out.parent / "again" / "study.csv"))
+    )
+    pd.testing.assert_frame_equal(left, right, check_exact=True)
+    assert len(undisturbed) == len(index)
+
+
+def test_a_full_disk_stops_the_study_with_words_and_the_next_start_goes_on(study):
+    write, out = study
+    words = write(TWO_ANGLES)
+    limited = ["bash", "-c", 'ulimit -f 12; exec "$@"', "-", sys.executable, "-m", "bilayer"]
+    done = subprocess.run([*limited, *words], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 1
+    assert re.search(r"error: result file .*\.nc: cannot be written", done.stderr)
+    assert list((out / "cases").iterdir()) == []
+    assert log_lines(out, "not written")
+    assert main(words) == 0
+
+
+def test_one_folder_is_for_one_study_at_a_time(study, capsys):
+    write, out = study
+    words = write(TWO_ANGLES)
+    folder = StudyFolder(out)
+    folder.make()
+    with folder.alone():
+        assert main(words) == 1
+    assert "another study is running in it" in capsys.readouterr().err
+
+
+def test_a_task_of_a_job_array_computes_its_case(study, capsys):
+    write, out = study
+    words = write(TWO_ANGLES)
+    assert main([*words, "--case", "2"]) == 0
+    assert main([*words, "--case", "2"]) == 0
+    plan = read_study(words[1])
+    assert log_lines(out, "done") == [plan.cases[1].identity]
+    assert main([*words, "--case", "3"]) == 2
+    assert "--case = 3: expected a number from 1 to 2" in capsys.readouterr().err
+    assert main([*words, "--case", "x"]) == 2
+
+
+def test_a_folder_without_a_study_is_no_index(tmp_path):
+    with pytest.raises(ValueError, match="has no plan"):
+        read_index(StudyFolder(tmp_path))
+
+
+def test_a_log_that_cannot_be_written_is_told(study):
+    write, out = study
+    plan = read_study(write(TWO_ANGLES)[1])
+    folder = StudyFolder(out)
+    folder.make()
+    folder.log_file.mkdir()
+    with pytest.raises(ComputationError, match=r"study log .* cannot be written"):
+        folder.log("begun", plan.cases[0])
