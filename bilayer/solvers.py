@@ -6,22 +6,30 @@ A solver is a package with
   default (its class attribute `stopping_is_a_result` says whether a run that stops early succeeds);
 - `PARALLEL`: whether the ranks of `mpirun` share one case;
 - `BYTES_PER_TRIANGLE`: memory that it takes, for the check before a run;
+- `DEFAULT_START`: one of `STARTS`, from where its runs start unless told;
 - `solve(specimen, settings, *, mesh=None, start=None, comm=None, progress=None)`, which returns
-  the dataset of `bilayer.result`.
+  the dataset of `bilayer.result`; `start` is a result, a function that makes one on the mesh of
+  the run, or None for the flat state.
 """
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 import xarray as xr
 
+from bilayer.errors import ComputationError, InputError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
+from bilayer.starting import with_waypoints
 from bilayer.validation import one_of
 
 SOLVERS = {"fenics": "fenics_model", "dshell": "dshell"}
+
+STARTS = ("shell", "flat")
+"""From where a run starts: the accurate shell's shapes lead the way, or the flat state."""
 
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
@@ -44,7 +52,7 @@ def solve(
     settings: Any = None,
     *,
     mesh: PlanarMesh | None = None,
-    start: xr.Dataset | None = None,
+    start: xr.Dataset | str | None = None,
     comm: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -60,8 +68,10 @@ def solve(
         One of the solver's `MODELS`; the default model with its defaults where left out.
     mesh : PlanarMesh, optional
         The planar mesh to use; made from the specimen where left out.
-    start : Dataset, optional
-        A result on the same mesh, from either solver, whose shape starts the first milestone.
+    start : {"shell", "flat"} or Dataset, optional
+        "shell": the shapes of the accurate discrete shell lead the way. "flat": nothing does. A
+        result on the same mesh, from either solver: its shape starts the first milestone, and leads
+        to the others that it has. The solver's own default where left out.
     comm : mpi4py.MPI.Comm, optional
         The communicator; COMM_WORLD where a solver is parallel and none is given.
     progress : callable, optional
@@ -74,4 +84,30 @@ def solve(
     """
     package = solver_package(solver)
     chosen = settings_kind(solver)() if settings is None else settings
-    return package.solve(specimen, chosen, mesh=mesh, start=start, comm=comm, progress=progress)
+    begin = _start_of(specimen, solver, package.DEFAULT_START if start is None else start)
+    return package.solve(specimen, chosen, mesh=mesh, start=begin, comm=comm, progress=progress)
+
+
+def _start_of(specimen: Specimen, solver: str, start: xr.Dataset | str) -> Any:
+    """Return what a solver's package takes for a start."""
+    if not isinstance(start, str):
+        return start
+    if one_of("start", start, STARTS) == "flat":
+        return None
+    if solver == "dshell":
+        raise InputError("start = 'shell': expected 'flat' or a result, the shell leads itself")
+    return partial(_shell_result, specimen)
+
+
+def _shell_result(specimen: Specimen, mesh: PlanarMesh) -> xr.Dataset:
+    """Return the accurate shell at the milestones and between, as far as it comes.
+
+    Raises
+    ------
+    ComputationError
+        It reaches no milestone.
+    """
+    result = solve(with_waypoints(specimen), "dshell", mesh=mesh)
+    if not result["converged"].any():
+        raise ComputationError(f"the shell {result.attrs['stop_reason']}")
+    return result

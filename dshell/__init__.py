@@ -1,10 +1,11 @@
 """The discrete shell in NumPy and SciPy; the package that `bilayer.solvers` calls "dshell"."""
 
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings
-from dshell.solver import BYTES_PER_TRIANGLE, MODELS, PARALLEL, solve
+from dshell.solver import BYTES_PER_TRIANGLE, DEFAULT_START, MODELS, PARALLEL, solve
 
 __all__ = [
     "BYTES_PER_TRIANGLE",
+    "DEFAULT_START",
     "MODELS",
     "PARALLEL",
     "HingeSettings",

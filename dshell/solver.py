@@ -24,6 +24,9 @@ PARALLEL = False
 BYTES_PER_TRIANGLE = 25_000
 """Memory that a run takes (measured: 14 kB per triangle at 6 000 triangles, 24 kB at 19 000)."""
 
+DEFAULT_START = "flat"
+"""One of `bilayer.solvers.STARTS`."""
+
 MODELS = {"morley": MorleySettings, "hinge": HingeSettings, "paper": PaperSettings}
 
 Settings = MorleySettings | HingeSettings | PaperSettings

@@ -4,6 +4,7 @@ The planar mesh is extruded through both layers, the substrate's prestretch is i
 and Newton's method follows the equilibria while it grows. dolfinx is loaded by `solve` alone.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import xarray as xr
@@ -23,7 +24,10 @@ BYTES_PER_TRIANGLE = 300_000
 """Memory of the matrix and its factors, one element through each layer (measured: 225 kB per
 triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
 
-__all__ = ["BYTES_PER_TRIANGLE", "MODELS", "PARALLEL", "SolidSettings", "solve"]
+DEFAULT_START = "shell"
+"""One of `bilayer.solvers.STARTS`."""
+
+__all__ = ["BYTES_PER_TRIANGLE", "DEFAULT_START", "MODELS", "PARALLEL", "SolidSettings", "solve"]
 
 
 def solve(
@@ -31,7 +35,7 @@ def solve(
     settings: SolidSettings | None = None,
     *,
     mesh: PlanarMesh | None = None,
-    start: xr.Dataset | None = None,
+    start: xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None = None,
     comm: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -46,9 +50,12 @@ def solve(
         The defaults where left out.
     mesh : PlanarMesh, optional
         The planar mesh; made from the specimen where left out.
-    start : Dataset, optional
-        A result on the same planar mesh, from any solver: its shape nearest to the first milestone
-        starts the first milestone. Where that does not converge, the load path starts flat.
+    start : Dataset or callable, optional
+        A result on the same planar mesh, from any solver, or a function that makes one on the mesh
+        it is given, called on the first rank: its shape nearest to the first milestone starts the
+        first milestone, and those at and between the others lead to them. Where it cannot be made
+        or does not lead to a stable equilibrium, the load path goes on from where it is; flat where
+        left out.
     comm : mpi4py.MPI.Comm, optional
         The ranks that share the model; COMM_WORLD where left out. All call with the same
         arguments and get the same dataset; the mesh is that of the first rank.

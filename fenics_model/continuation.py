@@ -14,6 +14,7 @@ from bilayer.errors import ComputationError
 from bilayer.result import UNKNOWN_STABILITY
 from fenics_model.effort import Effort
 from fenics_model.gradient_flow import FlowOutcome, GradientFlow
+from fenics_model.guide import Guide
 from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.step_control import StepControl
 
@@ -71,8 +72,9 @@ class Predictor:
         self._known = [(parameter, values.copy())]
 
     def add(self, parameter: float, values: NDArray[np.float64]) -> None:
-        """Learn an equilibrium."""
-        self._known = [*self._known[-2:], (parameter, values.copy())]
+        """Learn an equilibrium; of two at one parameter, the second."""
+        others = [(t, known) for t, known in self._known if t != parameter]
+        self._known = [*others[-2:], (parameter, values.copy())]
 
     def at(self, parameter: float) -> NDArray[np.float64]:
         """Guess the state at a parameter (Lagrange's formula)."""
@@ -113,34 +115,34 @@ def follow(
     milestones: Sequence[float],
     control: StepControl,
     tolerances: Tolerances,
-    start: float = 0.0,
+    guide: Guide,
 ) -> Iterator[Equilibrium]:
-    """Follow the equilibria from the solver's present state through the milestones.
+    """Follow the equilibria from the unloaded flat state through the milestones.
 
     Parameters
     ----------
     newton : Newton
-        Its state is an equilibrium at `start`, and holds each equilibrium as it is yielded.
+        Its state is that at the parameter 0, and holds each equilibrium as it is yielded.
     flow : GradientFlow
         Of the same solver; finds a stable equilibrium where Newton's method alone does not.
     load : callable
         Sets loads and natural states for a path parameter.
     milestones : sequence of float
-        Parameters to hit exactly, ascending; those up to `start` count as reached.
+        Parameters to hit exactly, ascending.
     control : StepControl
         The first step and its limits.
     tolerances : Tolerances
         When a state counts as equilibrium.
-    start : float
-        Parameter of the present state.
+    guide : Guide
+        Leads straight to where it knows a shape.
 
     Raises
     ------
     PathError
         A step failed even at the smallest size; the state is the last equilibrium again.
     """
-    tracker = _Tracker(newton, flow, control, start)
-    here, index = start, sum(milestone <= start for milestone in milestones)
+    tracker = _Tracker(newton, flow, control, guide)
+    here, index = 0.0, 0
     while index < len(milestones):
         goal = milestones[index]
         there = tracker.next_toward(goal, here)
@@ -156,9 +158,12 @@ def follow(
                 reason = f"no convergence ({outcome.reason}) even with a load step of "
                 raise PathError(f"{reason}{there - here:.2g}", here, tracker.spent())
             continue
-        modes = UNKNOWN_STABILITY
-        if at_goal:
-            outcome, modes = tracker.stabilised(outcome, there, accepted, reference)
+        modes = flow.unstable_modes() if at_goal else UNKNOWN_STABILITY
+        if modes > 0:
+            if tracker.gives_up_guide():
+                continue
+            outcome, modes = tracker.stabilised(outcome, modes, there, accepted, reference)
+        tracker.learn(there)
         yield Equilibrium(
             there,
             index if at_goal else None,
@@ -173,11 +178,12 @@ class _Tracker:
     """Keeps to a branch of equilibria, changes to another where it must, and counts the effort."""
 
     def __init__(
-        self, newton: Newton, flow: GradientFlow, control: StepControl, parameter: float
+        self, newton: Newton, flow: GradientFlow, control: StepControl, guide: Guide
     ) -> None:
-        self._newton, self._flow = newton, flow
+        self._newton, self._flow, self._guide = newton, flow, guide
         self._first, self._control = control, control
-        self._predictor = Predictor(parameter, newton.state.x.array)
+        self._predictor = Predictor(0.0, newton.state.x.array)
+        self._is_guided = False
         self._effort = Effort()
 
     @property
@@ -186,19 +192,44 @@ class _Tracker:
         return self._control.is_exhausted
 
     def next_toward(self, goal: float, here: float) -> float:
-        """Return the parameter of the next step."""
+        """Return the parameter of the next step: where the guide leads, or by the step control."""
+        guided = self._guide.next_toward(goal, here)
+        self._is_guided = guided is not None
+        if guided is not None:
+            return guided
         there = here + self._control.step_toward(goal - here)
         return goal if np.isclose(there, goal, rtol=0, atol=1e-12) else there
 
     def advance(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
         """Solve from the predicted state; after some failures flow from the last equilibrium."""
+        return (self._led if self._is_guided else self._stepped)(there, accepted, reference)
+
+    def _led(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
+        """Go where the guide leads."""
+        outcome, effort = self._guide.advance(there, accepted, reference)
+        self._effort += effort
+        return outcome
+
+    def gives_up_guide(self) -> bool:
+        """If the guide has led to the present state, leave it for load steps; say whether."""
+        if not self._is_guided:
+            return False
+        self._guide.distrust()
+        self.go_back()
+        return True
+
+    def learn(self, there: float) -> None:
+        """Take the present state for the equilibrium of a parameter."""
+        self._predictor.add(there, self._newton.state.x.array)
+        self._guide.learn(there)
+
+    def _stepped(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
         values, last = self._newton.state.x.array, self._predictor.parameter
         values[:] = self._predictor.at(there)
         outcome = self._newton.solve(accepted)
         self._effort += Effort(outcome.iterations)
         if outcome.converged:
             self._control = self._control.after_success(outcome.iterations)
-            self._predictor.add(there, values)
             return outcome
         self._control = self._control.after_failure(there - last)
         if self._control.failures % FAILURES_BEFORE_FLOW and not self.is_stuck:
@@ -207,12 +238,14 @@ class _Tracker:
         return self._onto_another_branch(self._flow.relax(accepted, reference), there) or outcome
 
     def stabilised(
-        self, outcome: NewtonOutcome, there: float, accepted: float, reference: float
+        self,
+        outcome: NewtonOutcome,
+        modes: int,
+        there: float,
+        accepted: float,
+        reference: float,
     ) -> tuple[NewtonOutcome, int]:
         """Leave an unstable equilibrium for a stable one, if there is; with its unstable modes."""
-        modes = self._flow.unstable_modes()
-        if modes <= 0:
-            return outcome, modes
         left = self._onto_another_branch(self._flow.escape(accepted, reference), there)
         return (outcome, modes) if left is None else (left, self._flow.unstable_modes())
 

@@ -17,12 +17,15 @@ class Effort:
         Energy that the flow's viscosity took away, J.
     escapes : int
         Unstable equilibria at a milestone that were left for a stable one.
+    guided_steps : int
+        Load steps that the start's shapes predicted, successful or not.
     """
 
     iterations: int = 0
     flow_steps: int = 0
     dissipated: float = 0.0
     escapes: int = 0
+    guided_steps: int = 0
 
     def __add__(self, other: "Effort") -> "Effort":
         return Effort(
@@ -30,4 +33,5 @@ class Effort:
             self.flow_steps + other.flow_steps,
             self.dissipated + other.dissipated,
             self.escapes + other.escapes,
+            self.guided_steps + other.guided_steps,
         )

@@ -9,7 +9,7 @@ from fenics_model.effort import Effort
 
 
 def effort_dataset(efforts: Sequence[Effort], milestones: int) -> xr.Dataset:
-    """Build the variables `stabilised_steps`, `dissipated_energy` and `escapes`.
+    """Build the variables `stabilised_steps`, `dissipated_energy`, `escapes`, `guided_steps`.
 
     Parameters
     ----------
@@ -35,6 +35,11 @@ def effort_dataset(efforts: Sequence[Effort], milestones: int) -> xr.Dataset:
                 "prestretch",
                 np.array([row.escapes for row in rows], dtype=np.int32),
                 {"long_name": "unstable equilibria at the milestone left for a stable one"},
+            ),
+            "guided_steps": (
+                "prestretch",
+                np.array([row.guided_steps for row in rows], dtype=np.int32),
+                {"long_name": "load steps predicted by the start's shapes, failed ones included"},
             ),
         }
     )

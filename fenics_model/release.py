@@ -2,8 +2,9 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import basix
@@ -18,9 +19,10 @@ from bilayer.alignment import placed
 from bilayer.errors import BilayerError
 from bilayer.mesh_generation import check_memory, generate_mesh
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result, starting_shape
+from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
+from bilayer.starting import ShapeOnTheWay, described, shapes_on_the_way
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (
     BilayerSolid,
@@ -39,9 +41,10 @@ from fenics_model.continuation import (
 from fenics_model.effort import Effort
 from fenics_model.effort_fields import effort_dataset
 from fenics_model.gradient_flow import GradientFlow
+from fenics_model.guide import Guide
 from fenics_model.newton import Newton
 from fenics_model.settings import SolidSettings
-from fenics_model.shell_start import extrude_shape, settle
+from fenics_model.shell_start import Extrusion, settle
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
 
@@ -57,7 +60,7 @@ def release(
     settings: SolidSettings,
     *,
     mesh: PlanarMesh | None,
-    start: xr.Dataset | None,
+    start: xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None,
     comm: MPI.Comm | None,
     progress: Progress | None,
 ) -> xr.Dataset:
@@ -65,15 +68,17 @@ def release(
     comm = MPI.COMM_WORLD if comm is None else comm
     planar: PlanarMesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen, settings))
     body = bilayer_solid(specimen, planar, settings, comm)
-    run = Release(specimen, planar, body, settings, progress if comm.rank == 0 else None)
-    if start is not None:
-        run.start_from(starting_shape(start, planar, specimen.prestretch.nominal[0]))
+    start, start_description = _made_start(start, planar, comm)
+    shapes = (
+        [] if start is None else shapes_on_the_way(start, planar, specimen.prestretch.milestones)
+    )
+    run = Release(specimen, planar, body, settings, shapes, progress if comm.rank == 0 else None)
     stop_reason = run.follow()
     states, positions, efforts, stop_reason = comm.bcast(
         (run.states, run.positions, run.efforts, stop_reason)
     )
     milestones = len(body.path.milestones)
-    return build_result(
+    result = build_result(
         specimen,
         planar,
         states,
@@ -86,6 +91,7 @@ def release(
             effort_dataset(efforts, milestones)
         ),
     )
+    return result.assign_attrs(start=start_description)
 
 
 class Release:
@@ -101,6 +107,8 @@ class Release:
         The solid.
     settings : SolidSettings
         Steps and tolerances.
+    shapes : sequence of ShapeOnTheWay
+        Of another result, that lead the way.
     progress : callable or None
         Told of every load step.
 
@@ -120,6 +128,7 @@ class Release:
         mesh: PlanarMesh,
         body: BilayerSolid,
         settings: SolidSettings,
+        shapes: Sequence[ShapeOnTheWay],
         progress: Progress | None,
     ) -> None:
         self._nominal = specimen.prestretch.nominal
@@ -144,6 +153,7 @@ class Release:
             disturbance=disturbance(body, radius, DISTURBANCE * substrate.thickness),
         )
         body.prestretch(REFERENCE_STRETCH)
+        self._guide = self._guide_along(shapes)
         self._tolerances = Tolerances(
             settings.tolerance, settings.path_tolerance, reference_residual(self._newton)
         )
@@ -152,35 +162,24 @@ class Release:
         self.efforts: list[Effort] = []
         self._tally = _Tally()
 
-    def start_from(self, shape: NDArray[np.float64]) -> None:
-        """Reach the first milestone from the shape of another result; if that fails, stay flat.
-
-        Parameters
-        ----------
-        shape : (n, 3) array of float
-            The bonded interface near the first milestone, m.
-        """
-        solid, settings = self._body.solid, self._settings
-        values = solid.state.x.array
-        first = self._body.path.milestones[0]
-        self._body.load(first)
-        upright = placed(shape, self._mesh.points, held_nodes(self._mesh))
-        extrude_shape(solid, self._mesh, upright)
-        reference = max(reference_residual(self._newton), self._tolerances.least_reference)
-        settled = settle(
-            solid, self._absent, settings.path_tolerance * reference, settings.petsc_options
+    def _guide_along(self, shapes: Sequence[ShapeOnTheWay]) -> Guide:
+        solid, ends = self._body.solid, self._body.path.milestones
+        held = held_nodes(self._mesh)
+        return Guide(
+            self._newton,
+            solid,
+            Extrusion(solid, self._mesh),
+            partial(settle, solid, self._absent, options=self._settings.petsc_options),
+            {
+                ends[found.milestone] - found.remaining: placed(
+                    found.shape, self._mesh.points, held
+                )
+                for found in shapes
+            },
         )
-        outcome = self._newton.solve(settings.tolerance * reference)
-        effort = Effort(settled.iterations + outcome.iterations)
-        modes = self._flow.unstable_modes() if outcome.converged else UNKNOWN_STABILITY
-        if outcome.converged and modes <= 0:
-            self._note(Equilibrium(first, 0, effort, outcome.residual / reference, modes))
-        else:
-            self._tally.effort += effort
-            values[:] = 0.0
 
     def follow(self) -> str:
-        """Follow the path through the milestones that are left; return why it stopped, if so."""
+        """Follow the path through the milestones; return why it stopped, if it did."""
         path, settings = self._body.path, self._settings
         control = StepControl(
             settings.first_step,
@@ -188,7 +187,6 @@ class Release:
             settings.largest_step,
             settings.target_iterations,
         )
-        begin = path.milestones[len(self.states) - 1] if self.states else 0.0
         equilibria = follow(
             self._newton,
             self._flow,
@@ -196,7 +194,7 @@ class Release:
             path.milestones,
             control,
             self._tolerances,
-            begin,
+            self._guide,
         )
         try:
             for equilibrium in equilibria:
@@ -288,6 +286,21 @@ def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:
     if isinstance(made, BilayerError):
         raise made
     return made
+
+
+def _made_start(
+    start: xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None, mesh: PlanarMesh, comm: MPI.Comm
+) -> tuple[xr.Dataset | None, str]:
+    """Return a start, made where it is not there yet, and what is said of it."""
+    if start is None:
+        return None, "flat"
+    if isinstance(start, xr.Dataset):
+        return start, described(start)
+    try:
+        made: xr.Dataset = from_first_rank(comm, lambda: start(mesh))
+    except BilayerError as error:
+        return None, f"flat, because {error}"
+    return made, described(made)
 
 
 def _checked_mesh(specimen: Specimen, settings: SolidSettings) -> PlanarMesh:

@@ -7,6 +7,7 @@ released with it, Newton's method would wander.
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import ufl
@@ -23,7 +24,7 @@ _EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's o
 
 
 def settle(
-    solid: Solid, held: Sequence[fem.DirichletBC], tolerance: float, options: str
+    solid: Solid, held: Sequence[fem.DirichletBC], tolerance: float, *, options: str
 ) -> NewtonOutcome:
     """Solve for everything but the interface's vertices, which stay where they are."""
     here = solid.state.copy()
@@ -41,8 +42,8 @@ def settle(
     return outcome
 
 
-def extrude_shape(solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
-    """Set the solid's state to a shape of its interface, with the natural states of the moment.
+class Extrusion:
+    """Makes states of the solid from shapes of its interface.
 
     Parameters
     ----------
@@ -50,23 +51,73 @@ def extrude_shape(solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) ->
         Made of an extrusion of `mesh`.
     mesh : PlanarMesh
         The planar mesh.
-    shape : (n, 3) array of float
-        The deformed interface on its nodes, m.
     """
-    fibres = _Fibres(solid, mesh, shape)
-    corners = solid.mesh.cell_vertices
-    ends = corners[:, _EDGES]
-    flat = solid.mesh.volume.points
-    moved = np.concatenate(
-        [
-            fibres.at_vertices(corners) - flat[corners],
-            fibres.at_midpoints(ends) - flat[ends].mean(axis=2),
-        ],
-        axis=1,
-    )
-    for axis in range(3):
-        solid.state.x.array[solid.component(axis).dofmap.list] = moved[:, :, axis]
-    _set_plane_stress(solid)
+
+    def __init__(self, solid: Solid, mesh: PlanarMesh) -> None:
+        self._solid, self._mesh = solid, mesh
+
+    def state_of(self, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the state of a shape, with the natural states of the moment.
+
+        Parameters
+        ----------
+        shape : (n, 3) array of float
+            The deformed interface on the nodes, m.
+
+        Returns
+        -------
+        array of float
+            This rank's dofs; the solid's own state stays.
+        """
+        solid = self._solid
+        values = solid.state.x.array
+        kept = values.copy()
+        fibres = _Fibres(solid, self._mesh, shape)
+        corners = solid.mesh.cell_vertices
+        ends = corners[:, _EDGES]
+        flat = solid.mesh.volume.points
+        moved = np.concatenate(
+            [
+                fibres.at_vertices(corners) - flat[corners],
+                fibres.at_midpoints(ends) - flat[ends].mean(axis=2),
+            ],
+            axis=1,
+        )
+        values[:] = 0.0
+        for axis in range(3):
+            values[solid.component(axis).dofmap.list] = moved[:, :, axis]
+        self._set_plane_stress()
+        extruded: NDArray[np.float64] = values.copy()
+        values[:] = kept
+        return extruded
+
+    def _set_plane_stress(self) -> None:
+        """Set each pressure so that the fibre's own traction vanishes, averaged at vertices."""
+        summed, weighed = (_assembled(form) for form in self._pressure_forms)
+        there = weighed > 0
+        self._solid.state.x.array[there] = summed[there] / weighed[there]
+        self._solid.state.x.scatter_forward()
+
+    @cached_property
+    def _pressure_forms(self) -> list[fem.Form]:
+        """Pressures and weights, summed at the vertices.
+
+        The stress is linear in the pressure, S = S0 + p S1; with the fibre g = F e_z and P = F S,
+        the condition g . P e_z = 0 gives p = -(g . F S0 e_z) / (g . F S1 e_z).
+        """
+        solid = self._solid
+        weights = ufl.TestFunctions(solid.space)[1:]
+        F = solid.gradient
+        sums = [0, 0]
+        for index, (layer, weight) in enumerate(zip(solid.layers, weights, strict=True)):
+            without, with_one = (
+                ufl.dot(F[:, 2], (F * stress(layer.energy, F, layer.natural, p))[:, 2])
+                for p in (0, 1)
+            )
+            pressure = -without / (with_one - without) / solid.pressure_scale
+            sums[0] += pressure * weight * solid.dx(index)
+            sums[1] += weight * solid.dx(index)
+        return [fem.form(integral, jit_options=JIT_OPTIONS) for integral in sums]
 
 
 class _Fibres:
@@ -118,30 +169,7 @@ def _normals_and_stretch(
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True), after / before
 
 
-def _set_plane_stress(solid: Solid) -> None:
-    """Set each layer's pressure so that the fibre's own traction vanishes, averaged at vertices.
-
-    The stress is linear in the pressure, S = S0 + p S1; with the fibre g = F e_z, P = F S, the
-    condition g . P e_z = 0 gives p = -(g . F S0 e_z) / (g . F S1 e_z).
-    """
-    weights = ufl.TestFunctions(solid.space)[1:]
-    F = solid.gradient
-    sums = [0, 0]
-    for index, (layer, weight) in enumerate(zip(solid.layers, weights, strict=True)):
-        without, with_one = (
-            ufl.dot(F[:, 2], (F * stress(layer.energy, F, layer.natural, p))[:, 2]) for p in (0, 1)
-        )
-        pressure = -without / (with_one - without) / solid.pressure_scale
-        sums[0] += pressure * weight * solid.dx(index)
-        sums[1] += weight * solid.dx(index)
-    summed, weighed = (_assembled(form) for form in sums)
-    there = weighed > 0
-    solid.state.x.array[there] = summed[there] / weighed[there]
-    solid.state.x.scatter_forward()
-
-
-def _assembled(integral: object) -> NDArray[np.float64]:
-    form = fem.form(integral, jit_options=JIT_OPTIONS)
+def _assembled(form: fem.Form) -> NDArray[np.float64]:
     vector = fem.assemble_vector(form)
     vector.scatter_reverse(la.InsertMode.add)
     vector.scatter_forward()

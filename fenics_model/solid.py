@@ -150,6 +150,19 @@ class Solid:
         local = fem.assemble_scalar(self._potential_form)
         return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
 
+    @cached_property
+    def _owned_displacements(self) -> NDArray[np.int32]:
+        """Displacement dofs that this rank owns."""
+        index_map = self.space.dofmap.index_map
+        owned = index_map.size_local * self.space.dofmap.index_map_bs
+        dofs = np.unique([self.component(axis).dofmap.list for axis in range(3)])
+        return dofs[dofs < owned].astype(np.int32)
+
+    def displacement_norm(self, values: NDArray[np.float64]) -> float:
+        """Euclidean norm of a change of state's displacement dofs, m, the same on every rank."""
+        local = float(np.sum(values[self._owned_displacements] ** 2))
+        return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM) ** 0.5)
+
     def component(self, axis: int) -> fem.FunctionSpace:
         """Return the subspace of one displacement component."""
         return self.space.sub(0).sub(axis)

@@ -11,7 +11,7 @@ from bilayer.ranks import is_first_rank, join_mpi
 from bilayer.report import result_table
 from bilayer.result import open_result, write_result
 from bilayer.settings import describe, settings_from, split_solver_settings
-from bilayer.solvers import SOLVERS, settings_kind, solve, solver_package
+from bilayer.solvers import SOLVERS, STARTS, settings_kind, solve, solver_package
 from bilayer.verbs.parser import (
     add_case_arguments,
     add_specimen_arguments,
@@ -34,8 +34,10 @@ def add(verbs: Any) -> None:
     verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
     add_case_arguments(verb)
     verb.add_argument(
-        "--start", metavar="FILE.nc", help="a result on the same mesh whose shape starts the run"
-    )
+        "--start", metavar="START",
+        help="what leads the way: 'shell' (the accurate discrete shell; the default of fenics), "
+        "'flat' (nothing: load stepping alone), or a result FILE.nc on the same mesh",
+    )  # fmt: skip
     verb.late_epilog = _describe_settings
 
 
@@ -50,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     specimen = specimen_of(options, overrides)
     settings: Any = settings_from(settings_kind(options.solver, options.model), values)
     mesh = None if options.mesh is None else mesh_of(options, specimen)
-    start = None if options.start is None else open_result(options.start)
+    start = options.start if options.start in (None, *STARTS) else open_result(options.start)
     if options.verbose and first:
         print(settings, file=sys.stderr)
     with progress_bar(options.solver, shown=first and not options.quiet) as progress:
