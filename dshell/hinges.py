@@ -27,8 +27,8 @@ from dshell.assembly import coordinates_of
 
 Array = NDArray[np.float64]
 
-APEXES = (2, 3)
-"""Where the apex of the first and of the second triangle stands among a hinge's nodes."""
+NUMBERING = (0, 1, 2, 3)
+"""Where a hinge's two ends, the apex of its first and that of its second triangle stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +93,19 @@ class Fold:
     ----------
     corners : (h, 4, 3) array of float
         Positions of each hinge's nodes, m.
+    numbering : (int, int, int, int)
+        Which of them are its ends and its apexes; the derivatives keep the order of `corners`.
     """
 
-    def __init__(self, corners: Array) -> None:
-        edge = corners[:, 1] - corners[:, 0]
+    def __init__(self, corners: Array, numbering: tuple[int, int, int, int] = NUMBERING) -> None:
+        *self._ends, first_apex, second_apex = numbering
+        start, end = (corners[:, node] for node in self._ends)
+        edge = end - start
         self._length = np.sqrt(_dot(edge, edge))
         self._along = edge / self._length[:, None]
         self._sides = [
-            _side(corners, self._length, self._along, apex, turn)
-            for apex, turn in zip(APEXES, (1.0, -1.0), strict=True)
+            _side(corners, self._ends, apex, self._length, self._along, turn)
+            for apex, turn in ((first_apex, 1.0), (second_apex, -1.0))
         ]
 
     @property
@@ -120,18 +124,15 @@ class Fold:
         """Return a factor (h,) times the angle's second derivative, 1/m2, shape (h, 12, 12)."""
         factor = factor[:, None, None]
         ends = np.zeros((len(factor), 4))
-        ends[:, :2] = np.array([-1.0, 1.0]) / self._length[:, None]  # c / l
-        left, right = [], []
-        for side in self._sides:
-            left += [
-                factor * _outer(side.weights, side.normal),
-                factor * _outer(ends, side.normal),
-            ]
-            right += [
-                _outer(side.weights, side.inward),
-                0.5 * _outer(ends, side.inward) - _outer(side.weights, self._along),
-            ]
-        half = _as_columns(left) @ _as_columns(right).transpose(0, 2, 1)
+        ends[:, self._ends] = np.array([-1.0, 1.0]) / self._length[:, None]  # c / l
+        left, right = np.empty((2, len(factor), 4, 4, 3))  # four products of (4, 3) each
+        for row, side in zip((0, 2), self._sides, strict=True):
+            left[:, row] = factor * _outer(side.weights, side.normal)
+            left[:, row + 1] = factor * _outer(ends, side.normal)
+            right[:, row] = _outer(side.weights, side.inward)
+            right[:, row + 1] = _outer(0.5 * ends, side.inward)
+            right[:, row + 1] -= _outer(side.weights, self._along)
+        half = left.reshape(-1, 4, 12).transpose(0, 2, 1) @ right.reshape(-1, 4, 12)
         return half + half.transpose(0, 2, 1)
 
 
@@ -143,15 +144,18 @@ class _Side(NamedTuple):
     weights: Array  # w / height, (h, 4)
 
 
-def _side(corners: Array, length: Array, along: Array, apex: int, turn: float) -> _Side:
-    to_apex = corners[:, apex] - corners[:, 0]
+def _side(
+    corners: Array, ends: list[int], apex: int, length: Array, along: Array, turn: float
+) -> _Side:
+    start, end = ends
+    to_apex = corners[:, apex] - corners[:, start]
     foot = _dot(to_apex, along)
     inward = to_apex - foot[:, None] * along
     height = np.sqrt(_dot(inward, inward))
     inward /= height[:, None]
     weights = np.zeros((len(corners), 4))
-    weights[:, 1] = foot / length / height
-    weights[:, 0] = 1 / height - weights[:, 1]
+    weights[:, end] = foot / length / height
+    weights[:, start] = 1 / height - weights[:, end]
     weights[:, apex] = -1 / height
     return _Side(turn * _cross(along, inward), inward, weights)
 
@@ -159,11 +163,6 @@ def _side(corners: Array, length: Array, along: Array, apex: int, turn: float) -
 def _outer(weights: Array, vector: Array) -> Array:
     """Weights (h, 4) of the nodes times a vector (h, 3), shape (h, 4, 3)."""
     return weights[:, :, None] * vector[:, None, :]
-
-
-def _as_columns(terms: list[Array]) -> Array:
-    """Terms of shape (h, 4, 3) as the columns of a matrix per hinge, shape (h, 12, terms)."""
-    return np.stack([term.reshape(len(term), 12) for term in terms], axis=2)
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -143,8 +143,7 @@ class _PetscSystem:
         preconditioner = self._solver.getPC()
         preconditioner.setType(PETSc.PC.Type.CHOLESKY)
         preconditioner.setFactorSolverType(package)
-        for name, value in options.items():
-            PETSc.Options("dshell_")[f"mat_{package}_{name}"] = value
+        self._options = {f"mat_{package}_{name}": value for name, value in options.items()}
         self._matrix: Any = None
         self._analysed = False
 
@@ -169,6 +168,8 @@ class _PetscSystem:
         self._analysed = True
 
     def _keep_pattern(self, matrix: csc_matrix) -> None:
+        for name, value in self._options.items():  # not before: PETSc warns of options not used
+            self._petsc.Options("dshell_")[name] = value
         size = matrix.shape[0]
         columns = np.repeat(np.arange(size), np.diff(matrix.indptr))
         self._half = np.flatnonzero(matrix.indices >= columns)

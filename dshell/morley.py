@@ -27,8 +27,8 @@ from dshell.topology import FaceNeighbours
 
 Array = NDArray[np.float64]
 
-_FOLDS = np.array([[1, 2, 0, 3], [2, 0, 1, 4], [0, 1, 2, 5]])
-"""Nodes of the hinge over each edge: among the face's corners and its neighbours' apexes."""
+_FOLDS = ((1, 2, 0, 3), (2, 0, 1, 3), (0, 1, 2, 3))
+"""Ends and apexes of the hinge over each edge, among the face's corners and the far apex."""
 _POSITIONS = 18  # coordinates of six nodes; three edge displacements follow
 
 
@@ -87,13 +87,13 @@ class MorleyFaces:
         """Return the second derivative by the values, N/m, shape (m, 21, 21)."""
         corners, folds = self._geometry(values)
         s = self._strains(values, folds)
-        forces = self._flat.areas * self.laminate.resultants(s)
-        hessian = self._material_part(self.laminate.stiffness(s), corners, folds)
+        resultants, stiffness = self.laminate.resultants_and_stiffness(s)
+        hessian = self._material_part(stiffness, corners, folds)
+        forces = self._flat.areas * resultants
         _add_to_corners(hessian, self._flat.strain_hessian(forces[:3]))
         moments = self._turns * np.einsum("mki,km->mi", self._bending, forces[3:])
-        for nodes, fold, moment in zip(_FOLDS, folds, moments.T, strict=True):
-            places = coordinates_of(nodes).reshape(-1)
-            hessian[:, places[:, None], places] += fold.hessian(moment)
+        for edge, fold in enumerate(folds):
+            _add_fold(hessian, edge, fold.hessian(moments[:, edge]))
         return hessian
 
     def convex_hessian(self, values: Array) -> Array:
@@ -107,11 +107,11 @@ class MorleyFaces:
         # strain and thickness times curvature are comparable, so that is what is projected
         units = np.repeat([1.0, 1 / self.laminate.thickness], 3)
         scale = np.multiply.outer(units, units)
-        stiffness = np.moveaxis(self.laminate.stiffness(s), 2, 0) * scale
-        stiffness = np.moveaxis(_without_negative(stiffness) / scale, 0, 2)
-        hessian = self._material_part(stiffness, corners, folds)
-        force = self._flat.areas * self.laminate.resultants(s)[:3]
-        _add_to_corners(hessian, self._flat.strain_hessian(_tension(force)))
+        resultants, stiffness = self.laminate.resultants_and_stiffness(s)
+        convex = _without_negative(np.moveaxis(stiffness, 2, 0) * scale) / scale
+        hessian = self._material_part(np.moveaxis(convex, 0, 2), corners, folds)
+        tension = _tension(self._flat.areas * resultants[:3])
+        _add_to_corners(hessian, self._flat.strain_hessian(tension))
         return hessian
 
     def strains(self, values: Array) -> Array:
@@ -120,7 +120,8 @@ class MorleyFaces:
 
     def _geometry(self, values: Array) -> tuple[Array, list[Fold]]:
         nodes = values[:, :_POSITIONS].reshape(-1, 6, 3)
-        return nodes[:, :3], [Fold(nodes[:, hinge]) for hinge in _FOLDS]
+        folds = [Fold(nodes[:, [0, 1, 2, 3 + edge]], ends) for edge, ends in enumerate(_FOLDS)]
+        return nodes[:, :3], folds
 
     def _strains(self, values: Array, folds: list[Fold]) -> Array:
         angles = np.column_stack([fold.angle for fold in folds])
@@ -131,9 +132,10 @@ class MorleyFaces:
     def _strain_gradient(self, corners: Array, folds: list[Fold]) -> Array:
         """Return the derivative of strain and curvature by the values, shape (m, 6, 21)."""
         turns = np.zeros((len(corners), 3, 21))  # l_i a_i
-        for edge, (nodes, fold) in enumerate(zip(_FOLDS, folds, strict=True)):
+        for edge, fold in enumerate(folds):
             slope = self._turns[:, edge, None, None] * fold.gradient
-            turns[:, edge, coordinates_of(nodes).reshape(-1)] = slope.reshape(-1, 12)
+            turns[:, edge, :9] = slope[:, :3].reshape(-1, 9)
+            turns[:, edge, _apex(edge)] = slope[:, 3]
             turns[:, edge, _POSITIONS + edge] = self._shares[:, edge]
         slope = np.zeros((len(corners), 6, 21))
         slope[:, :3, :9] = self._flat.strain_gradient(corners).reshape(-1, 3, 9)
@@ -150,6 +152,20 @@ def _add_to_corners(hessian: Array, pairs: Array) -> None:
     """Add what couples corners (m, 3, 3), the same for each coordinate."""
     for axis in range(3):
         hessian[:, axis:9:3, axis:9:3] += pairs
+
+
+def _add_fold(hessian: Array, edge: int, part: Array) -> None:
+    """Add what couples the corners and the apex beyond an edge, (m, 12, 12)."""
+    apex = _apex(edge)
+    hessian[:, :9, :9] += part[:, :9, :9]
+    hessian[:, :9, apex] += part[:, :9, 9:]
+    hessian[:, apex, :9] += part[:, 9:, :9]
+    hessian[:, apex, apex] += part[:, 9:, 9:]
+
+
+def _apex(edge: int) -> slice:
+    """Coordinates of the apex beyond an edge, among a face's values."""
+    return slice(9 + 3 * edge, 12 + 3 * edge)
 
 
 def _without_negative(matrices: Array) -> Array:

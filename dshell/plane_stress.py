@@ -39,8 +39,8 @@ class PlaneStressLaw(Protocol):
     def stress(self, strain: Array, prestretch: Array) -> Array:
         """Return its derivative by the strain, Pa, shape (3, ...)."""
 
-    def tangent(self, strain: Array, prestretch: Array) -> Array:
-        """Return its second derivative by the strain, Pa, shape (3, 3, ...)."""
+    def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
+        """Return the stress with its own derivative by the strain, Pa, shape (3, 3, ...)."""
 
 
 @dataclass(frozen=True)
@@ -81,16 +81,16 @@ class PlaneMooneyRivlin:
         W_T, W_D = self._first(T, D, np.cbrt(self._volume(T, D)))
         return W_T * T_e + W_D * D_e
 
-    def tangent(self, strain: Array, prestretch: Array) -> Array:
+    def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
         """See `PlaneStressLaw`."""
         T, D, T_e, D_e, D_ee = _invariants(strain, prestretch)
         r = np.cbrt(self._volume(T, D))
-        _, W_D = self._first(T, D, r)
+        W_T, W_D = self._first(T, D, r)
         W_TT, W_TD, W_DD = self._second(T, D, r)
         tangent = W_D * D_ee
-        row = W_TT * T_e + W_TD * D_e
-        column = W_TD * T_e + W_DD * D_e
-        return tangent + T_e[:, None] * row[None] + D_e[:, None] * column[None]
+        tangent += T_e[:, None] * (W_TT * T_e + W_TD * D_e)
+        tangent += D_e[:, None] * (W_TD * T_e + W_DD * D_e)
+        return W_T * T_e + W_D * D_e, tangent
 
     def _first(self, T: Array, D: Array, r: Array) -> tuple[Array, Array]:
         """Return the derivatives by T and D at r = J^(1/3); J counts as fixed, because W_J = 0."""
@@ -163,10 +163,10 @@ class PlaneLinear:
         """See `PlaneStressLaw`."""
         return np.einsum("ij,j...->i...", self._stiffness(), self._total(strain, prestretch))
 
-    def tangent(self, strain: Array, prestretch: Array) -> Array:
+    def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
         """See `PlaneStressLaw`."""
-        ones = np.ones(np.broadcast_shapes(strain.shape[1:], prestretch.shape[2:]))
-        return np.multiply.outer(self._stiffness(), ones)
+        stress = self.stress(strain, prestretch)
+        return stress, np.multiply.outer(self._stiffness(), np.ones(stress.shape[1:]))
 
     def _stiffness(self) -> Array:
         nu = self.poisson_ratio
@@ -204,8 +204,8 @@ def _invariants(strain: Array, prestretch: Array) -> tuple[Array, Array, Array, 
     a, b, g = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
     T = xx * a + yy * b + 2 * xy * g
     D = area2 * (a * b - g * g)
-    zero, one = np.zeros_like(T), np.ones_like(T)
+    one = np.ones_like(T)
     T_e = 2 * np.stack([xx * one, yy * one, xy * one])
-    D_e = 2 * area2 * np.stack([b * one, a * one, -g * one])
+    D_e = 2 * area2 * np.stack([b, a, -g])
     rows = np.array([[0, 4, 0], [4, 0, 0], [0, 0, -2]], dtype=float)
-    return T, D, T_e, D_e, np.multiply.outer(rows, area2 + zero)
+    return T, D, T_e, D_e, np.multiply.outer(rows, area2)

@@ -22,16 +22,22 @@ GAUSS_POINTS = 3
 
 
 class Profile(Protocol):
-    """The strain at a height z above the reference surface, from s of shape (6, m)."""
+    """The strain at a height z above the reference surface, from s of shape (6, m).
+
+    It is the surface's own strain (s[:3]) and what its curvature (s[3:]) adds to that.
+    """
 
     def strain(self, s: Array, z: float) -> Array:
         """Return the strain (exx, eyy, 2 exy), shape (3, m)."""
 
     def slope(self, s: Array, z: float) -> Array:
-        """Return its derivative by s, shape (3, 6, m)."""
+        """Return its derivative by the curvature, shape (3, 3, m) or (3, 3, 1)."""
 
     def bend(self, s: Array, z: float, stress: Array) -> Array:
-        """Return its second derivative by s times a stress of shape (3, m), shape (6, 6, m)."""
+        """Return its second derivative by the curvature times a stress of shape (3, m).
+
+        The shape is that of the slope.
+        """
 
 
 class LinearProfile:
@@ -43,12 +49,11 @@ class LinearProfile:
 
     def slope(self, s: Array, z: float) -> Array:
         """See `Profile`."""
-        rows = np.hstack([np.eye(3), z * np.eye(3)])
-        return np.broadcast_to(rows[:, :, None], (3, 6, s.shape[1]))
+        return z * np.eye(3)[:, :, None]
 
     def bend(self, s: Array, z: float, stress: Array) -> Array:
         """See `Profile`."""
-        return np.zeros((6, 6, s.shape[1]))
+        return np.zeros((3, 3, 1))
 
 
 class QuadraticProfile:
@@ -63,24 +68,22 @@ class QuadraticProfile:
     def slope(self, s: Array, z: float) -> Array:
         """See `Profile`."""
         x, y, g = s[3:]
-        slope = np.zeros((3, 6, s.shape[1]))
-        for row in range(3):
-            slope[row, row] = 1.0
+        slope = np.zeros((3, 3, s.shape[1]))
         half = 0.5 * z**2
-        slope[0, 3], slope[0, 5] = z + 2 * half * x, half * g / 2
-        slope[1, 4], slope[1, 5] = z + 2 * half * y, half * g / 2
-        slope[2, 3] = slope[2, 4] = half * g
-        slope[2, 5] = z + half * (x + y)
+        slope[0, 0], slope[0, 2] = z + 2 * half * x, half * g / 2
+        slope[1, 1], slope[1, 2] = z + 2 * half * y, half * g / 2
+        slope[2, 0] = slope[2, 1] = half * g
+        slope[2, 2] = z + half * (x + y)
         return slope
 
     def bend(self, s: Array, z: float, stress: Array) -> Array:
         """See `Profile`."""
-        bend = np.zeros((6, 6, s.shape[1]))
+        bend = np.zeros((3, 3, s.shape[1]))
         half = 0.5 * z**2
-        bend[3, 3], bend[4, 4] = 2 * half * stress[0], 2 * half * stress[1]
-        bend[5, 5] = half * (stress[0] + stress[1]) / 2
-        for row in (3, 4):
-            bend[row, 5] = bend[5, row] = half * stress[2]
+        bend[0, 0], bend[1, 1] = 2 * half * stress[0], 2 * half * stress[1]
+        bend[2, 2] = half * (stress[0] + stress[1]) / 2
+        for row in (0, 1):
+            bend[row, 2] = bend[2, row] = half * stress[2]
         return bend
 
 
@@ -168,23 +171,41 @@ class Laminate:
         """Return its derivative by s, membrane forces (N/m) and moments (N), shape (6, m)."""
         total = np.zeros(s.shape)
         for layer in self.layers:
-            part = s[:, layer.covered]
-            for z, weight in layer.points:
-                stress = layer.law.stress(self.profile.strain(part, z), layer.prestretch)
-                slope = self.profile.slope(part, z)
-                total[:, layer.covered] += weight * np.einsum("iam,im->am", slope, stress)
+            total[:, layer.covered] += self._layer_resultants(layer, s[:, layer.covered])
         return total
 
-    def stiffness(self, s: Array) -> Array:
-        """Return its second derivative by s, shape (6, 6, m)."""
-        total = np.zeros((6, 6, s.shape[1]))
+    def resultants_and_stiffness(self, s: Array) -> tuple[Array, Array]:
+        """Return the resultants with their own derivative by s, shape (6, 6, m)."""
+        resultants, stiffness = np.zeros(s.shape), np.zeros((6, 6, s.shape[1]))
         for layer in self.layers:
-            part = s[:, layer.covered]
-            for z, weight in layer.points:
-                strain, slope = self.profile.strain(part, z), self.profile.slope(part, z)
-                tangent = layer.law.tangent(strain, layer.prestretch)
-                stress = layer.law.stress(strain, layer.prestretch)
-                answer = np.einsum("iam,ijm,jbm->abm", slope, tangent, slope, optimize=True)
-                answer += self.profile.bend(part, z, stress)
-                total[:, :, layer.covered] += weight * answer
+            here, stiff = self._layer_response(layer, s[:, layer.covered])
+            resultants[:, layer.covered] += here
+            stiffness[:, :, layer.covered] += stiff
+        return resultants, stiffness
+
+    def _layer_resultants(self, layer: ShellLayer, s: Array) -> Array:
+        total = np.zeros(s.shape)
+        for z, weight in layer.points:
+            stress = layer.law.stress(self.profile.strain(s, z), layer.prestretch)
+            self._add_stress(total, weight * stress, self.profile.slope(s, z))
         return total
+
+    def _layer_response(self, layer: ShellLayer, s: Array) -> tuple[Array, Array]:
+        resultants, stiffness = np.zeros(s.shape), np.zeros((6, 6, s.shape[1]))
+        for z, weight in layer.points:
+            strain, slope = self.profile.strain(s, z), self.profile.slope(s, z)
+            stress, tangent = layer.law.stress_and_tangent(strain, layer.prestretch)
+            stress, tangent = weight * stress, weight * tangent
+            self._add_stress(resultants, stress, slope)
+            mixed = np.einsum("ijm,jbm->ibm", tangent, slope)
+            stiffness[:3, :3] += tangent
+            stiffness[:3, 3:] += mixed
+            stiffness[3:, 3:] += np.einsum("iam,ibm->abm", slope, mixed)
+            stiffness[3:, 3:] += self.profile.bend(s, z, stress)
+        stiffness[3:, :3] = stiffness[:3, 3:].transpose(1, 0, 2)
+        return resultants, stiffness
+
+    @staticmethod
+    def _add_stress(resultants: Array, stress: Array, slope: Array) -> None:
+        resultants[:3] += stress
+        resultants[3:] += np.einsum("iam,im->am", slope, stress)
