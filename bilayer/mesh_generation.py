@@ -25,7 +25,8 @@ BYTES_PER_TRIANGLE = 2000
 def estimated_triangles(specimen: Specimen) -> float:
     """Return the number of triangles to expect: 1.2 (measured) times that of equilateral ones.
 
-    Their size goes linearly from the corners' at the inner radius to the mesh's at the rim.
+    Their size goes linearly from the corners' at the inner radius to the mesh's at the rim. Strips
+    and cutouts narrower than that are a row of two triangles for every length of it.
     """
     radius, size = specimen.outer_radius, specimen.mesh.size
     finest, inner = size, 0.0
@@ -35,8 +36,20 @@ def estimated_triangles(specimen: Specimen) -> float:
     r = (np.arange(rings) + 0.5) * radius / rings
     with np.errstate(over="ignore", divide="ignore"):
         local_size = np.interp(r, [0.0, inner, radius], [size, finest, size])
-        per_area = 4 / math.sqrt(3) / local_size**2
-        return float(1.2 * np.sum(per_area * 2 * math.pi * r) * radius / rings)
+        per_area = 1.2 * 4 / math.sqrt(3) / local_size**2
+        sectors, angle = _sectors(specimen.cut, r)
+        in_each = np.maximum(per_area * angle * r, 2 / local_size)
+        return float(np.sum(sectors * in_each) * radius / rings)
+
+
+def _sectors(cut: CutPattern | None, r: NDArray[np.float64]) -> tuple[Any, NDArray[np.float64]]:
+    """Return how many sectors there are, and their angle: the whole disc, or strips and cutouts."""
+    if cut is None:
+        return 1, np.full_like(r, 2 * math.pi)
+    strip = 2 * math.pi / cut.strips - cut.cutout_angle
+    angles = np.array([[strip], [cut.cutout_angle]])
+    inside = r < cut.inner_radius
+    return np.where(inside, 0.5, cut.strips), np.where(inside, 2 * math.pi, angles)
 
 
 def check_memory(specimen: Specimen, bytes_per_triangle: float, what: str) -> None:
@@ -52,13 +65,46 @@ def check_memory(specimen: Specimen, bytes_per_triangle: float, what: str) -> No
         For the message: "the mesh", "the finite-element model", ...
     """
     count = estimated_triangles(specimen)
-    needed = count * bytes_per_triangle
+    _check_available(
+        f"mesh.size = {specimen.mesh.size} m: about {count:.3g}", count * bytes_per_triangle, what
+    )
+
+
+def mesh_within_memory(
+    specimen: Specimen, mesh: PlanarMesh | None, bytes_per_triangle: float, what: str
+) -> PlanarMesh:
+    """Return a given mesh, or that of a specimen, if there is the memory to go on with it.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        To be meshed where there is no mesh.
+    mesh : PlanarMesh or None
+        The mesh that is given.
+    bytes_per_triangle, what
+        See `check_memory`.
+
+    Raises
+    ------
+    InputError
+        There is less memory than needed.
+    ComputationError
+        gmsh is not there, or fails.
+    """
+    if mesh is None:
+        check_memory(specimen, bytes_per_triangle, what)
+        return generate_mesh(specimen)
+    count = len(mesh.triangles)
+    _check_available(f"mesh: its {count}", count * bytes_per_triangle, what)
+    return mesh
+
+
+def _check_available(triangles: str, needed: float, what: str) -> None:
     available = psutil.virtual_memory().available
     if needed > available:
         raise InputError(
-            f"mesh.size = {specimen.mesh.size} m: about {count:.3g} triangles would take "
-            f"{needed / 2**30:.3g} GiB for {what}, expected at most the "
-            f"{available / 2**30:.3g} GiB of memory available"
+            f"{triangles} triangles would take {needed / 2**30:.3g} GiB for {what}, expected at "
+            f"most the {available / 2**30:.3g} GiB of memory available"
         )
 
 

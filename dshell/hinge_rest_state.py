@@ -11,7 +11,7 @@ where B vanishes (Timoshenko 1925; Reddy, Mechanics of Laminated Composite Plate
 (positive where it bulges upward), both tensors where lambda_x and lambda_y differ. On an
 equilateral lattice of edge a (numbers tested in tests/dshell) that is
 
-    spring  k_s = 3 A (area of the edge) = sqrt(3)/2 A a^2,   L = l (1 + t . e0 t)
+    spring  k_s = 3 A (area of the edge) = sqrt(3)/2 A a^2,   L = l |t + e0 t|
     hinge   k_b = D a^2 / (3 (area of the edge)) = 2/sqrt(3) D,
             theta_bar = d (3 n . k0 n - t . k0 t) / 2,        d = a / sqrt(3),
 
@@ -124,7 +124,7 @@ def laminate_springs_and_hinges(
     along = mesh.points[topology.edges[:, 1]] - mesh.points[topology.edges[:, 0]]
     length = np.linalg.norm(along, axis=1)
     tt = (along / length[:, None]) ** 2  # of the diagonal tensors: t . a t = tt @ a
-    natural = length * (1 + (tt * strain).sum(axis=1))
+    natural = np.linalg.norm((1 + strain) * along, axis=1)
     springs = EdgeSprings(topology.edges, 3 * stretching, natural)
     inner = topology.hinge_edges
     bend = 1.5 * (1 - tt) * curvature - 0.5 * tt * curvature  # n . k n has x and y exchanged

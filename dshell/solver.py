@@ -7,7 +7,7 @@ import scipy
 import xarray as xr
 
 from bilayer.errors import InputError
-from bilayer.mesh_generation import check_memory, generate_mesh
+from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, build_result
 from bilayer.solvers import Progress
@@ -103,13 +103,11 @@ def solve(
     ------
     InputError
         The settings are of no model, the start is on another mesh, the paper's model is given a
-        start or a true weight, or the mesh would not fit into memory.
+        start, a true weight or layers that it has not, or the mesh would not fit into memory.
     """
     chosen = MorleySettings() if settings is None else settings
     model = _model_of(chosen)
-    if mesh is None:
-        check_memory(specimen, BYTES_PER_TRIANGLE, "the discrete shell")
-        mesh = generate_mesh(specimen)
+    mesh = mesh_within_memory(specimen, mesh, BYTES_PER_TRIANGLE, "the discrete shell")
     states, stop_reason = _RELEASES[model](specimen, mesh, chosen, start, progress)
     return build_result(
         specimen,

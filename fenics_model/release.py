@@ -17,7 +17,7 @@ from petsc4py import PETSc
 
 from bilayer.alignment import placed
 from bilayer.errors import BilayerError
-from bilayer.mesh_generation import check_memory, generate_mesh
+from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.solvers import Progress
@@ -66,7 +66,7 @@ def release(
 ) -> xr.Dataset:
     """Do what `fenics_model.solve` says."""
     comm = MPI.COMM_WORLD if comm is None else comm
-    planar: PlanarMesh = from_first_rank(comm, lambda: mesh or _checked_mesh(specimen, settings))
+    planar: PlanarMesh = from_first_rank(comm, lambda: _checked_mesh(specimen, mesh, settings))
     body = bilayer_solid(specimen, planar, settings, comm)
     start, start_description = _made_start(start, planar, comm)
     shapes = (
@@ -303,10 +303,12 @@ def _made_start(
     return made, described(made)
 
 
-def _checked_mesh(specimen: Specimen, settings: SolidSettings) -> PlanarMesh:
+def _checked_mesh(
+    specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings
+) -> PlanarMesh:
     elements = settings.substrate_elements + settings.kirigami_elements
-    check_memory(specimen, BYTES_PER_TRIANGLE * elements / 2, "the finite-element model")
-    return generate_mesh(specimen)
+    needed = BYTES_PER_TRIANGLE * elements / 2
+    return mesh_within_memory(specimen, mesh, needed, "the finite-element model")
 
 
 def versions() -> dict[str, str]:

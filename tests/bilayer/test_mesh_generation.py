@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bilayer import CutPattern, InputError, MeshSize, generate_mesh, paper_specimen
-from bilayer.mesh_generation import estimated_triangles
+from bilayer.mesh_generation import estimated_triangles, mesh_within_memory
 
 PATTERNS = [
     None,
@@ -82,6 +82,25 @@ def test_the_estimate_is_good_enough_for_memory(size):
     assert len(generate_mesh(specimen).triangles) == pytest.approx(
         estimated_triangles(specimen), rel=0.15
     )
+
+
+@pytest.mark.parametrize("angle", [0.001, 0.01])
+@pytest.mark.parametrize("corner_size", [None, 0.0005])
+def test_many_narrow_sectors_are_counted(angle, corner_size):
+    """Strips and cutouts narrower than the mesh size take triangles all the same."""
+    specimen = specimen_with(CutPattern(500, 0.008, angle), 0.004, corner_size)
+    count = len(generate_mesh(specimen).triangles)
+    assert count > 16_000
+    assert count == pytest.approx(estimated_triangles(specimen), rel=0.15)
+
+
+def test_a_given_mesh_beyond_the_memory_is_refused_with_its_triangles():
+    specimen = specimen_with(None, 0.01)
+    mesh = generate_mesh(specimen)
+    assert mesh_within_memory(specimen, mesh, 1.0, "the solver") is mesh
+    message = rf"mesh: its {len(mesh.triangles)} triangles would take .* GiB for the solver"
+    with pytest.raises(InputError, match=message):
+        mesh_within_memory(specimen, mesh, 1e13, "the solver")
 
 
 def test_a_mesh_beyond_the_memory_is_refused_with_its_size():

@@ -48,3 +48,17 @@ def test_the_interface_lies_over_the_planar_nodes(planar):
     assert interface[:, :2] == pytest.approx(planar.points)
     assert np.all(interface[:, 2] == 0)
     assert mesh.vertex_at[3].tolist().count(-1) == 1  # node 3 has no kirigami
+
+
+@pytest.mark.parametrize("below", [0, 1, 2])
+def test_the_interface_lies_over_the_slabs_below_it(planar, below):
+    """With the kirigami below, or with no layer there at all."""
+    covered = planar.triangles[planar.region == 1]
+    slabs = [Slab(0.25, 1, covered), Slab(0.5, 2, planar.triangles), Slab(0.125, 1, covered)]
+    mesh = extrude(planar, slabs[1 - min(below, 1) :], below)
+    depth = {0: 0.0, 1: 0.25, 2: 0.75}[below]
+    levels = np.unique(mesh.points[:, 2])
+    expected = np.array([0, 0.25, 0.5, 0.75, 0.875]) - depth
+    assert levels == pytest.approx(expected if below else [0, 0.25, 0.5, 0.625])
+    on_bond = mesh.points[mesh.interface[mesh.interface >= 0]]
+    assert np.all(on_bond[:, 2] == 0)
