@@ -146,6 +146,7 @@ class Newton:
         """
         self._apply_held()
         self._extrapolated.forget()
+        self._drop_failed_factors()
         self.snes.setTolerances(atol=tolerance)
         self._x.array[:] = self.state.x.array[: self._x.local_size]
         with self._in_force():  # MUMPS reads its own when it first factorises
@@ -171,6 +172,7 @@ class Newton:
         """Factorise the tangent of the present state and return what holds the factors."""
         self._apply_held()
         self._extrapolated.forget()
+        self._drop_failed_factors()
         self._x.array[:] = self.state.x.array[: self._x.local_size]
         self._tangent(self.snes, self._x, self.matrix, self.matrix)
         solver = self.snes.getKSP()
@@ -178,6 +180,11 @@ class Newton:
         with self._in_force():
             solver.setUp()
         return solver.getPC()
+
+    def _drop_failed_factors(self) -> None:
+        """Begin anew after a failed factorisation: PETSc would return it from then on."""
+        if self.factors.getFailedReason():
+            self.factors.reset()
 
     def corrections(self, *right: PETSc.Vec) -> list[PETSc.Vec]:
         """Solve with the factors of the last tangent for one or more right-hand sides."""

@@ -25,7 +25,7 @@ def unstable_modes(newton: Newton, number_of_pressures: int) -> int:
     Returns
     -------
     int
-        -1 where the user's options chose another factorisation, which does not tell.
+        -1 where the factorisation failed, or the user's options chose another, which does not tell.
     """
     return unstable_modes_of(newton.factorise(), number_of_pressures)
 
@@ -35,6 +35,7 @@ def unstable_modes_of(factors: PETSc.PC, number_of_pressures: int) -> int:
     tells = (
         factors.getType() == PETSc.PC.Type.CHOLESKY
         and factors.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS
+        and not factors.getFailedReason()
     )
     if not tells:
         return UNKNOWN_STABILITY
