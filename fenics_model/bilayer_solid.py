@@ -64,11 +64,12 @@ class BilayerSolid:
             layer.natural.value = natural_state(bonded.stretch, rule)
 
 
-def disturbance(body: BilayerSolid, radius: float, height: float) -> NDArray[np.float64]:
-    """Return a small lift of the body that has part in every low mode: the sum of cos(n (t - n)).
+def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
+    """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
 
     Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
     at the centre and the same however the mesh is distributed; the phases n are in no symmetry.
+    It tells the two sides of a mode apart.
 
     Parameters
     ----------
@@ -76,8 +77,6 @@ def disturbance(body: BilayerSolid, radius: float, height: float) -> NDArray[np.
         To be lifted.
     radius : float
         R, m.
-    height : float
-        Amplitude of each term at the rim, m.
 
     Returns
     -------
@@ -88,7 +87,7 @@ def disturbance(body: BilayerSolid, radius: float, height: float) -> NDArray[np.
     def lift(x: NDArray[np.float64]) -> NDArray[np.float64]:
         place = (x[0] + 1j * x[1]) / radius
         waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
-        return np.stack([0 * x[0], 0 * x[0], height * waves])
+        return np.stack([0 * x[0], 0 * x[0], waves])
 
     change = fem.Function(body.solid.space)
     change.sub(0).interpolate(lift)

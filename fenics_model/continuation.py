@@ -1,7 +1,7 @@
 """The load path as a generator of equilibria: predict, solve, adapt the step.
 
 Where no step leads on (a limit point, a sharp bifurcation) the load goes on and the body flows to
-the next stable equilibrium; a milestone that turns out unstable is left by the same flow.
+the next stable equilibrium; a milestone that turns out unstable is left for a stable branch.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
 from bilayer.result import UNKNOWN_STABILITY
+from fenics_model.branch_search import BranchSearch, Departure
 from fenics_model.effort import Effort
-from fenics_model.gradient_flow import FlowOutcome, GradientFlow
 from fenics_model.guide import Guide
 from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.step_control import StepControl
@@ -56,6 +56,8 @@ class Equilibrium:
         Relative to the reference.
     unstable_modes : int
         Of a milestone; -1 where it is not known.
+    departure : Departure or None
+        Of a milestone where the path came to an unstable equilibrium: the search for others.
     """
 
     parameter: float
@@ -63,6 +65,7 @@ class Equilibrium:
     effort: Effort
     residual: float
     unstable_modes: int = UNKNOWN_STABILITY
+    departure: Departure | None = None
 
 
 class Predictor:
@@ -110,7 +113,7 @@ class Tolerances:
 
 def follow(
     newton: Newton,
-    flow: GradientFlow,
+    search: BranchSearch,
     load: Callable[[float], None],
     milestones: Sequence[float],
     control: StepControl,
@@ -123,8 +126,8 @@ def follow(
     ----------
     newton : Newton
         Its state is that at the parameter 0, and holds each equilibrium as it is yielded.
-    flow : GradientFlow
-        Of the same solver; finds a stable equilibrium where Newton's method alone does not.
+    search : BranchSearch
+        Of the same solver; finds stable branches, and its flow a way where load steps fail.
     load : callable
         Sets loads and natural states for a path parameter.
     milestones : sequence of float
@@ -141,7 +144,7 @@ def follow(
     PathError
         A step failed even at the smallest size; the state is the last equilibrium again.
     """
-    tracker = _Tracker(newton, flow, control, guide)
+    tracker = _Tracker(newton, search, control, guide)
     here, index = 0.0, 0
     while index < len(milestones):
         goal = milestones[index]
@@ -158,11 +161,14 @@ def follow(
                 reason = f"no convergence ({outcome.reason}) even with a load step of "
                 raise PathError(f"{reason}{there - here:.2g}", here, tracker.spent())
             continue
-        modes = flow.unstable_modes() if at_goal else UNKNOWN_STABILITY
+        modes = search.flow.unstable_modes() if at_goal else UNKNOWN_STABILITY
+        departure = None
         if modes > 0:
             if tracker.gives_up_guide():
                 continue
-            outcome, modes = tracker.stabilised(outcome, modes, there, accepted, reference)
+            departure = search.leave(modes, accepted, reference)
+            modes = departure.unstable_modes
+            outcome = tracker.departed(departure, there) or outcome
         tracker.learn(there)
         yield Equilibrium(
             there,
@@ -170,6 +176,7 @@ def follow(
             tracker.spent(),
             outcome.residual / reference,
             modes,
+            departure,
         )
         here, index = there, index + at_goal
 
@@ -178,9 +185,9 @@ class _Tracker:
     """Keeps to a branch of equilibria, changes to another where it must, and counts the effort."""
 
     def __init__(
-        self, newton: Newton, flow: GradientFlow, control: StepControl, guide: Guide
+        self, newton: Newton, search: BranchSearch, control: StepControl, guide: Guide
     ) -> None:
-        self._newton, self._flow, self._guide = newton, flow, guide
+        self._newton, self._search, self._guide = newton, search, guide
         self._first, self._control = control, control
         self._predictor = Predictor(0.0, newton.state.x.array)
         self._is_guided = False
@@ -235,19 +242,14 @@ class _Tracker:
         if self._control.failures % FAILURES_BEFORE_FLOW and not self.is_stuck:
             return outcome
         self.go_back()
-        return self._onto_another_branch(self._flow.relax(accepted, reference), there) or outcome
+        flowed = self._search.flow.relax(accepted, reference)
+        self._effort += flowed.effort
+        return self._onto_another_branch(flowed.equilibrium, there) or outcome
 
-    def stabilised(
-        self,
-        outcome: NewtonOutcome,
-        modes: int,
-        there: float,
-        accepted: float,
-        reference: float,
-    ) -> tuple[NewtonOutcome, int]:
-        """Leave an unstable equilibrium for a stable one, if there is; with its unstable modes."""
-        left = self._onto_another_branch(self._flow.escape(accepted, reference), there)
-        return (outcome, modes) if left is None else (left, self._flow.unstable_modes())
+    def departed(self, departure: Departure, there: float) -> NewtonOutcome | None:
+        """Go on from the branch for which an unstable equilibrium was left, if it was."""
+        self._effort += departure.effort
+        return self._onto_another_branch(departure.equilibrium, there)
 
     def go_back(self) -> None:
         """Restore the last equilibrium."""
@@ -258,13 +260,14 @@ class _Tracker:
         effort, self._effort = self._effort, Effort()
         return effort
 
-    def _onto_another_branch(self, flowed: FlowOutcome, there: float) -> NewtonOutcome | None:
-        """Begin anew where a flow has found an equilibrium, because the past predicts nothing."""
-        self._effort += flowed.effort
-        if flowed.equilibrium is not None:
+    def _onto_another_branch(
+        self, found: NewtonOutcome | None, there: float
+    ) -> NewtonOutcome | None:
+        """Begin anew where another branch was found, because the past predicts nothing."""
+        if found is not None:
             self._control = self._first
             self._predictor = Predictor(there, self._newton.state.x.array)
-        return flowed.equilibrium
+        return found
 
 
 def reference_residual(newton: Newton) -> float:

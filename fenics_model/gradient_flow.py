@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fenics_model.effort import Effort
@@ -30,9 +29,6 @@ SLOW = 1e-3
 
 STEP_ACCURACY = 1e-3
 """To what part of its start the residual falls in a time step."""
-
-DISTURBANCES = (1.0, 10.0)
-"""By which factors an unstable equilibrium is disturbed, one after the other."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +60,6 @@ class GradientFlow:
         k of the first time step, Pa/m2; it grows and falls from there.
     step_limit : int
         Time steps after which it has failed.
-    disturbance : array of float
-        A small change of the state, by which an unstable equilibrium is left.
     """
 
     def __init__(
@@ -75,19 +69,17 @@ class GradientFlow:
         *,
         first_viscosity: float,
         step_limit: int,
-        disturbance: NDArray[np.float64],
     ) -> None:
         self._newton, self._solid = newton, solid
         self._first, self._step_limit = first_viscosity, step_limit
-        self._disturbance = disturbance
 
     def unstable_modes(self) -> int:
         """Count the unstable modes of the present state; see `stability.unstable_modes`."""
         return unstable_modes(self._newton, self._solid.number_of_pressures)
 
     @cached_property
-    def _mass(self) -> PETSc.Mat:
-        """M, zero for the pressures, m3; made when it is first needed, which is seldom."""
+    def mass(self) -> PETSc.Mat:
+        """M, zero for pressures and held dofs, m3; made when first needed, which is seldom."""
         return self._newton.assembled(self._solid.mass())
 
     def relax(self, tolerance: float, reference: float) -> FlowOutcome:
@@ -118,26 +110,10 @@ class GradientFlow:
             force_before = force
         return FlowOutcome(None, effort)
 
-    def escape(self, tolerance: float, reference: float) -> FlowOutcome:
-        """Leave the present, unstable equilibrium; where no stable one is found, stay.
-
-        It is disturbed, then the flow takes over; see `relax`. A second try disturbs more.
-        """
-        values, effort = self._newton.state.x.array, Effort()
-        unstable = values.copy()
-        for factor in DISTURBANCES:
-            values[:] = unstable + factor * self._disturbance
-            flowed = self.relax(tolerance, reference)
-            effort += flowed.effort
-            if flowed.equilibrium is not None:
-                return FlowOutcome(flowed.equilibrium, effort + Effort(escapes=1))
-        values[:] = unstable
-        return FlowOutcome(None, effort)
-
     def _step(self, k: float, tolerance: float) -> tuple[Effort, float | None]:
         """Take one time step; return what it took and the viscous force, None if it failed."""
         accuracy = max(tolerance, STEP_ACCURACY * self._newton.residual_norm())
-        with self._newton.slowed(self._mass, k) as viscosity:
+        with self._newton.slowed(self.mass, k) as viscosity:
             outcome = self._solve_if_stable(accuracy)
             effort = Effort(outcome.iterations, flow_steps=1)
             if not outcome.converged:

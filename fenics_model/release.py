@@ -27,10 +27,12 @@ from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (
     BilayerSolid,
     bilayer_solid,
-    disturbance,
     held_nodes,
     held_points,
+    uneven_lift,
 )
+from fenics_model.branch_fields import branch_dataset
+from fenics_model.branch_search import BranchSearch, Departure
 from fenics_model.continuation import (
     Equilibrium,
     PathError,
@@ -51,8 +53,8 @@ from fenics_model.volume_fields import volume_dataset
 REFERENCE_STRETCH = (1.001, 1.001)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
 
-DISTURBANCE = 0.01
-"""Height by which an unstable milestone is disturbed, over the substrate's thickness."""
+FIRST_DISTANCE = 0.1
+"""Of the walk off an unstable milestone, over the substrate's thickness."""
 
 
 def release(
@@ -74,8 +76,8 @@ def release(
     )
     run = Release(specimen, planar, body, settings, shapes, progress if comm.rank == 0 else None)
     stop_reason = run.follow()
-    states, positions, efforts, stop_reason = comm.bcast(
-        (run.states, run.positions, run.efforts, stop_reason)
+    states, positions, efforts, departures, stop_reason = comm.bcast(
+        (run.states, run.positions, run.efforts, run.departures, stop_reason)
     )
     milestones = len(body.path.milestones)
     result = build_result(
@@ -87,9 +89,9 @@ def release(
         settings=settings,
         versions=versions(),
         stop_reason=stop_reason,
-        extra=volume_dataset(body.solid.mesh.volume, body.layer_names, positions, milestones).merge(
-            effort_dataset(efforts, milestones)
-        ),
+        extra=volume_dataset(body.solid.mesh.volume, body.layer_names, positions, milestones)
+        .merge(effort_dataset(efforts, milestones))
+        .merge(branch_dataset(departures, milestones)),
     )
     return result.assign_attrs(start=start_description)
 
@@ -120,6 +122,8 @@ class Release:
         Vertices of the volume mesh at the milestones that were reached, m.
     efforts : list of Effort
         What each of `states` took.
+    departures : list of Departure or None
+        Of the milestones that were reached: how an unstable equilibrium was left.
     """
 
     def __init__(
@@ -150,7 +154,14 @@ class Release:
             solid,
             first_viscosity=substrate.material.shear_modulus * substrate.thickness / radius**3,
             step_limit=settings.flow_steps,
-            disturbance=disturbance(body, radius, DISTURBANCE * substrate.thickness),
+        )
+        self._search = BranchSearch(
+            self._newton,
+            self._flow,
+            solid,
+            first_distance=FIRST_DISTANCE * substrate.thickness,
+            side=uneven_lift(body, radius),
+            choice=settings.branch,
         )
         body.prestretch(REFERENCE_STRETCH)
         self._guide = self._guide_along(shapes)
@@ -160,6 +171,7 @@ class Release:
         self.states: list[MilestoneState] = []
         self.positions: list[NDArray[np.float64]] = []
         self.efforts: list[Effort] = []
+        self.departures: list[Departure | None] = []
         self._tally = _Tally()
 
     def _guide_along(self, shapes: Sequence[ShapeOnTheWay]) -> Guide:
@@ -189,7 +201,7 @@ class Release:
         )
         equilibria = follow(
             self._newton,
-            self._flow,
+            self._search,
             self._body.load,
             path.milestones,
             control,
@@ -210,6 +222,7 @@ class Release:
         self._report(equilibrium.parameter)
         if equilibrium.milestone is None:
             return
+        self.departures.append(equilibrium.departure)
         solid = self._body.solid
         self.positions.append(solid.mesh.volume.points + solid.vertex_displacements())
         self.states.append(

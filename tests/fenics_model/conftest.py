@@ -1,6 +1,6 @@
-"""Make `solids` importable from the tests of this folder."""
+"""Make the cases of the verification ladder importable: `verification`."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))

@@ -10,7 +10,15 @@ pytest.importorskip("dolfinx")
 import dolfinx
 import ufl
 from dolfinx import fem
-from solids import held_where, mean, newton_of, rectangle, solid_of, stacked, stress
+from verification.solid_problem import (
+    held_where,
+    mean,
+    newton_of,
+    rectangle,
+    solid_of,
+    stacked,
+    stress,
+)
 
 from bilayer import LinearElastic, MooneyRivlin
 

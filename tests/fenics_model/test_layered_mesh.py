@@ -3,7 +3,7 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
-from solids import rectangle, solid_of, stacked
+from verification.solid_problem import rectangle, solid_of, stacked
 
 from bilayer import MooneyRivlin
 

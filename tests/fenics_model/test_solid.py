@@ -6,7 +6,7 @@ import pytest
 pytest.importorskip("dolfinx")
 
 from mpi4py import MPI
-from solids import held_where, newton_of, rectangle, solid_of, stacked
+from verification.solid_problem import held_where, newton_of, rectangle, solid_of, stacked
 
 from bilayer import LinearElastic, MooneyRivlin, NeoHookean
 from fenics_model.stability import unstable_modes

@@ -1,4 +1,6 @@
-"""Small solids for the tests, built from the core alone."""
+"""Solids of any layers on any planar mesh, built from the core of the model alone. SI units."""
+
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import ufl
@@ -6,24 +8,24 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from ufl.algorithms.analysis import extract_constants
 
-from bilayer.planar_mesh import PlanarMesh
+from fenics_model.branch_search import BranchSearch
+from fenics_model.continuation import Equilibrium, Tolerances, follow
 from fenics_model.gradient_flow import GradientFlow
+from fenics_model.guide import Guide
 from fenics_model.layered_mesh import LayeredMesh
 from fenics_model.newton import Newton
 from fenics_model.solid import Solid, SolidLayer
+from fenics_model.step_control import StepControl
 from fenics_model.strain_energy import energy_constants
 from fenics_model.volume_mesh import Slab, extrude
+from verification import meshes
+
+FIRST_VISCOSITY = 1e9  # Pa/m2, suits bodies of millimetres
 
 
 def rectangle(length, width, along, across):
     """Triangulated rectangle, its lower left corner at the origin."""
-    x, y = np.meshgrid(np.linspace(0, length, along + 1), np.linspace(0, width, across + 1))
-    node = np.arange(x.size).reshape(x.shape)
-    a, b, c, d = (
-        part.ravel() for part in (node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1])
-    )
-    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    return PlanarMesh(np.column_stack([x.ravel(), y.ravel()]), triangles, np.ones(len(triangles)))
+    return meshes.rectangle(np.linspace(0, length, along + 1), np.linspace(0, width, across + 1))
 
 
 def stacked(mesh, thicknesses, elements=1):
@@ -68,13 +70,38 @@ def newton_of(solid, held, **options):
     )
 
 
-def flow_of(solid, newton, disturbance=None, step_limit=100):
-    """A flow whose first viscosity suits bodies of millimetres."""
-    if disturbance is None:
-        disturbance = np.zeros_like(solid.state.x.array)
-    return GradientFlow(
-        newton, solid, first_viscosity=1e9, step_limit=step_limit, disturbance=disturbance
+def flow_of(solid, newton, step_limit=100):
+    return GradientFlow(newton, solid, first_viscosity=FIRST_VISCOSITY, step_limit=step_limit)
+
+
+def search_of(solid, newton, lift=None, first_distance=1e-4, step_limit=100, choice="lowest"):
+    """A search for branches; `lift(x)` is the height that tells the sides of a mode apart."""
+    side = fem.Function(solid.space)
+    if lift is not None:
+        side.sub(0).interpolate(lambda x: np.stack([0 * x[0], 0 * x[0], lift(x)]))
+    flow = flow_of(solid, newton, step_limit)
+    return BranchSearch(
+        newton, flow, solid, first_distance=first_distance, side=side.x.array, choice=choice
     )
+
+
+def unguided(solid, newton):
+    """A guide without shapes: load steps alone."""
+    return Guide(newton, solid, extrusion=None, settle=None, shapes={})
+
+
+def followed(
+    solid, newton, load: Callable[[float], None], milestones: Sequence[float], first_step: float
+) -> Iterator[Equilibrium]:
+    """The equilibria at the milestones of a load path, each while the solid is in its state."""
+    control = StepControl(first_step, first_step / 100, 20 * first_step, 6)
+    search = search_of(solid, newton)
+    tolerances = Tolerances(1e-10, 1e-4, 0.0)
+    for equilibrium in follow(
+        newton, search, load, milestones, control, tolerances, unguided(solid, newton)
+    ):
+        if equilibrium.milestone is not None:
+            yield equilibrium
 
 
 def mean(solid, expression, layer=0):
