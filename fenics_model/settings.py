@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from bilayer.errors import InputError
 from bilayer.settings import documented
-from bilayer.validation import finite, positive, whole
+from bilayer.validation import finite, one_of, positive, whole
+
+BRANCHES = ("lowest", "other", "unstable")
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,11 @@ class SolidSettings:
         "time steps of the viscous flow to a stable equilibrium, where load steps fail or a "
         "milestone is unstable, after which it is given up; 0: no such flow",
     )
+    branch: str = documented(
+        "lowest",
+        "where a milestone is unstable, which of the two stable branches to either side of its "
+        "mode to take: that of lower energy, the other one, or none (lowest, other, unstable)",
+    )
     tolerance: float = documented(
         1e-10, "residual at a milestone, relative to the flat state's [1]"
     )
@@ -57,6 +64,7 @@ class SolidSettings:
         for name in ("first_step", "smallest_step", "largest_step", "tolerance", "path_tolerance"):
             positive(f"solver.{name}", getattr(self, name))
         finite("solver.imperfection", self.imperfection)
+        one_of("solver.branch", self.branch, BRANCHES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(
