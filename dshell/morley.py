@@ -14,6 +14,7 @@ That is Morley's triangle (1968) for small deflections: constant curvature is ex
 With the constant strain of the membrane, a laminate gives the energy of each face.
 """
 
+from copy import copy
 from typing import ClassVar
 
 import numpy as np
@@ -62,6 +63,12 @@ class MorleyFaces:
         self._bending = (
             np.stack([x * x, y * y, 2 * x * y], axis=1) / self._flat.areas[:, None, None]
         )
+
+    def made_of(self, laminate: Laminate) -> "MorleyFaces":
+        """Return the same faces of another laminate; what they share is not computed anew."""
+        faces = copy(self)
+        faces.laminate = laminate
+        return faces
 
     def energy(self, values: Array) -> Array:
         """Return each face's energy, J, shape (m,), from values of shape (m, 21) in m."""

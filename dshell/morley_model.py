@@ -29,12 +29,12 @@ class MorleyModel:
     def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: MorleySettings) -> None:
         self._specimen, self._mesh = specimen, mesh
         self._profile = PROFILES[settings.profile]()
-        self.extra_dofs = self.energies((1.0, 1.0))[0].edge_count
+        self._faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
+        self.extra_dofs = self._faces.edge_count
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
         """Return the one energy, the prestretch being (lambda_x, lambda_y)."""
-        laminate = Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._profile)
-        return [MorleyFaces(self._mesh.points, self._mesh.triangles, laminate)]
+        return [self._faces.made_of(self._laminate(stretch))]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
         """Return how far the bond is above the substrate's mid-plane in the flat state, m."""
@@ -44,6 +44,9 @@ class MorleyModel:
         """Return the energy of each layer, J."""
         (faces,) = self.energies(stretch)
         return faces.layer_energies(state[faces.dofs])
+
+    def _laminate(self, stretch: tuple[float, float]) -> Laminate:
+        return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._profile)
 
 
 def specimen_layers(

@@ -127,13 +127,15 @@ class PlaneMooneyRivlin:
 
     def _volume_derivatives(self, T: Array, D: Array, r: Array) -> tuple[Array, Array]:
         """Return the first and second derivative by J, at r = J^(1/3)."""
-        a, b = self.c10, self.c01
-        r2 = r * r
-        r5, r7 = r2 * r2 * r, r2**3 * r
-        slope = (2 * a * (2 * r / D - T / r5) + 2 * b * (T / (D * r) - 2 * D / r7)) / 3
-        bend = (2 * a * (2 / (D * r2) + 5 * T / (r5 * r**3))) / 9
-        bend += 2 * b * (14 * D / (r7 * r**3) - T / (D * r2 * r2)) / 9
-        return slope + 2 * (r2 * r - 1) / self.d1, bend + 2 / self.d1
+        a, b = 2 / 3 * self.c10, 2 / 3 * self.c01
+        q = 1 / r
+        q2 = q * q
+        q4, per_D = q2 * q2, 1 / D
+        aT, bT = a * T * q4, b * T * per_D * q
+        a2, b2 = 2 * a * per_D, 2 * b * D * q4 * q2 * q
+        slope = a2 * r - aT * q + bT - b2 + 2 / self.d1 * (r * r * r - 1)
+        bend = a2 * q2 + 5 * aT * q4 + (7 * b2 - bT) * (q2 * q)
+        return slope, bend / 3 + 2 / self.d1
 
 
 @dataclass(frozen=True)
