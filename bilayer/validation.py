@@ -34,6 +34,14 @@ def not_negative(field: str, value: Any, unit: str = "") -> float:
     return number
 
 
+def fraction(field: str, value: Any) -> float:
+    """Return `value` as a float; raise InputError unless it is greater than 0 and less than 1."""
+    number = positive(field, value)
+    if number >= 1:
+        raise InputError(f"{field} = {value}: expected a number less than 1")
+    return number
+
+
 def whole(field: str, value: Any, at_least: int) -> int:
     """Return `value` as an int; raise InputError unless it is a whole number >= `at_least`."""
     number = finite(field, value)

@@ -7,7 +7,7 @@ from typing import ClassVar
 from bilayer.errors import InputError
 from bilayer.settings import documented
 from bilayer.specimen import BONDED_THICKNESS_RULES
-from bilayer.validation import not_negative, one_of, positive, whole
+from bilayer.validation import fraction, not_negative, one_of, positive, whole
 from dshell.through_thickness import PROFILES
 
 
@@ -31,7 +31,8 @@ class StaticSettings:
 
     def __post_init__(self) -> None:
         whole("solver.max_iterations", self.max_iterations, at_least=1)
-        for name in ("tolerance", "ramp", "longest_step", "smallest_step"):
+        fraction("solver.tolerance", self.tolerance)
+        for name in ("ramp", "longest_step", "smallest_step"):
             positive(f"solver.{name}", getattr(self, name))
 
 
@@ -89,7 +90,7 @@ class PaperSettings:
             )
         not_negative("solver.gravity", self.gravity, "m/s2")
         not_negative("solver.damping_rate", self.damping_rate, "1/s")
-        positive("solver.tolerance", self.tolerance)
+        fraction("solver.tolerance", self.tolerance)
         whole("solver.max_iterations", self.max_iterations, at_least=1)
 
     @property

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from bilayer.errors import InputError
 from bilayer.settings import documented
-from bilayer.validation import finite, one_of, positive, whole
+from bilayer.validation import finite, fraction, one_of, positive, whole
 
 BRANCHES = ("lowest", "other", "unstable")
 
@@ -61,8 +61,10 @@ class SolidSettings:
                      "target_iterations", "iteration_limit"):  # fmt: skip
             whole(f"solver.{name}", getattr(self, name), at_least=1)
         whole("solver.flow_steps", self.flow_steps, at_least=0)
-        for name in ("first_step", "smallest_step", "largest_step", "tolerance", "path_tolerance"):
+        for name in ("first_step", "smallest_step", "largest_step"):
             positive(f"solver.{name}", getattr(self, name))
+        for name in ("tolerance", "path_tolerance"):
+            fraction(f"solver.{name}", getattr(self, name))
         finite("solver.imperfection", self.imperfection)
         one_of("solver.branch", self.branch, BRANCHES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):

@@ -4,6 +4,8 @@ import re
 import subprocess
 import sys
 
+import meshio
+import numpy as np
 import pytest
 
 from bilayer import open_result
@@ -11,6 +13,7 @@ from bilayer.command_line import main
 from bilayer.specimen_file import template
 
 COARSE = ["--mesh-size", "0.012"]
+MORLEY = ["solve", "specimen.toml", "--solver", "dshell", *COARSE]
 SHELL = ["solve", "specimen.toml", "--solver", "dshell", "--model", "paper", *COARSE]
 
 
@@ -110,6 +113,20 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
             [*SHELL, "-o", "a.nc", "--set", "solver.damping_rate=x"],
             "solver.damping_rate = x: expected a num",
         ),
+        (
+            [*SHELL, "-o", "a.nc", "--set", "kirigami.side=below"],
+            "kirigami.side = 'below': the pap",
+        ),
+        ([*SHELL, "-o", "a.nc", "--set", "solver.tolerance=1"], "tolerance = 1.0: .* less than 1"),
+        (
+            [*MORLEY, "-o", "a.nc", "--set", "solver.smallest_step=-1"],
+            "solver.smallest_step = -1.0: expected a number greater than 0",
+        ),
+        ([*MORLEY, "-o", "a.nc", "--set", "solver.tolerance=nan"], "expected a finite number"),
+        (
+            [*MORLEY, "-o", "a.nc", "--set", "kirigami.law=rubber"],
+            "kirigami.law = 'rubber': expected one of 'mooney-rivlin', 'neo-hookean', 'linear'",
+        ),
         ([*SHELL, "-o", "a.nc", "--model", "papr"], "model = 'papr': .*did you mean 'paper'"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1.1", "1.05"], "1.05 follows 1.1"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "-1"], "expected a number greater than 0"),
@@ -153,6 +170,49 @@ def test_a_mesh_of_another_size_is_refused(folder, capsys):
     assert main(["mesh", "specimen.toml", "-o", "m.vtk", *COARSE, "--quiet"]) == 0
     words = [*SHELL, "--mesh", "m.vtk", "-o", "a.nc", "--set", "specimen.outer_radius=0.05"]
     assert "expected specimen.outer_radius = 0.05 m" in error_of(capsys, words)
+
+
+SQUARE = np.array([[0.0, 0.04], [-0.04, 0.0], [0.0, -0.04], [0.04, 0.0]])
+TWO = [[0, 1, 2], [0, 2, 3]]
+BAD_MESHES = {
+    "isolated": (np.vstack([SQUARE, [0, 0.01]]), TWO, [1, 1], "node 4 is isolated"),
+    "non-manifold": (
+        np.vstack([SQUARE, [-0.01, 0]]), [*TWO, [0, 4, 2]], [1, 1, 1],
+        r"edge of nodes 0 and 2 belongs to 3 triangles \(0, 1, 2\): expected at most 2",
+    ),
+    "orientation": (SQUARE, [[0, 1, 2], [0, 3, 2]], [1, 1], "triangle 1 .* runs clockwise"),
+    "degenerate": (
+        np.vstack([SQUARE, [0.02, 0.02]]), [*TWO, [0, 3, 4]], [1, 1, 1],
+        r"triangle 2 \(nodes 0, 3, 4\) is degenerate",
+    ),
+    "region": (SQUARE, TWO, [1, 7], "triangle 1 has region = 7: expected 0 or 1"),
+    "twice": (SQUARE, [*TWO, [1, 2, 0]], [1, 1, 1], "is there again as triangle 2"),
+    "nan": (np.vstack([SQUARE[:3], [np.nan, 0]]), TWO, [1, 1], "node 3 lies at .*nan"),
+    "pieces": (
+        np.vstack([SQUARE / 4 - 0.02, SQUARE / 4 + 0.02]), [*TWO, [4, 5, 6], [4, 6, 7]],
+        [1, 1, 1, 1], r"in 2 pieces, triangle 2 \(nodes 4, 5, 6\) shares no edge",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("points", "triangles", "region", "message"), BAD_MESHES.values(),
+                         ids=BAD_MESHES)  # fmt: skip
+def test_a_bad_mesh_file_is_one_line_and_status_2(
+    folder, capsys, points, triangles, region, message
+):
+    cells = [("triangle", np.array(triangles))]
+    data = {"region": [np.array(region, dtype=np.int32)]}
+    meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), cells, cell_data=data).write("bad.vtk")
+    line = error_of(capsys, [*SHELL, "--mesh", "bad.vtk", "-o", "a.nc"])
+    assert re.search(rf"mesh file bad\.vtk: .*{message}", line)
+    assert not (folder / "a.nc").exists()
+
+
+def test_a_start_on_another_mesh_is_one_line_and_status_2(folder, shell_file, capsys):
+    words = ["solve", "specimen.toml", "--solver", "dshell", "--mesh-size", "0.015"]
+    line = error_of(capsys, [*words, "--start", str(shell_file), "-o", "a.nc"])
+    assert re.search(r"start: has \d+ nodes .* expected a result on the planar mesh", line)
+    assert not (folder / "a.nc").exists()
 
 
 def test_verbose_shows_the_trace(bilayer_command):

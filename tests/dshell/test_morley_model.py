@@ -94,6 +94,7 @@ def test_weight_pulls_the_rim_down(coarse_specimen, coarse_mesh, released):
     [
         ({"profile": "cubic"}, "solver.profile = 'cubic': expected one of 'linear', 'quadratic'"),
         ({"tolerance": 0.0}, r"solver\.tolerance = 0\.0: expected a number greater than 0"),
+        ({"tolerance": 1.0}, r"solver\.tolerance = 1\.0: expected a number less than 1"),
         ({"ramp": -1.0}, r"solver\.ramp = -1\.0: expected a number greater than 0"),
         ({"max_iterations": 0}, r"solver\.max_iterations = 0: expected a whole number"),
     ],

@@ -55,6 +55,8 @@ def test_settings_name_what_is_wrong():
         SolidSettings(substrate_elements=0)
     with pytest.raises(InputError, match=r"solver\.tolerance = -1"):
         SolidSettings(tolerance=-1.0)
+    with pytest.raises(InputError, match=r"solver\.path_tolerance = 1\.0: .* less than 1"):
+        SolidSettings(path_tolerance=1.0)
     with pytest.raises(InputError, match=r"solver\.smallest_step = 0\.002.*solver\.first_step"):
         SolidSettings(smallest_step=0.002)
     with pytest.raises(InputError, match=r"solver\.first_step = 0\.1.*solver\.largest_step"):
