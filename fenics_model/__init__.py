@@ -1,6 +1,6 @@
 """The 3D finite-element model of a bilayer: mixed displacement-pressure, hyperelastic, released.
 
-The planar mesh is extruded through both layers, the substrate's prestretch is its natural state,
+The planar mesh is extruded through both layers, a layer's prestretch is its natural state,
 and Newton's method follows the equilibria while it grows. dolfinx is loaded by `solve` alone.
 """
 
