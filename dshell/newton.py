@@ -15,11 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
 from dshell.assembly import Assembly, Energy
-from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError
+from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError, SingularMatrixError
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,9 @@ SUFFICIENT_DECREASE = 1e-4
 SHORTEST_STEP = 1e-8
 CONVEX_SHIFT = 1e-8
 """Of the mean diagonal: keeps a convex relative regular where nothing resists."""
+FEW_NEGATIVE = 3
+"""Negative eigenvalues whose modes are sought: far from an equilibrium there are many."""
+MODE_TOLERANCE = 1e-4
 CORRECTIONS = 4
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
@@ -104,6 +108,18 @@ class Outcome:
     iterations: int
 
 
+class _Mended:
+    """An indefinite matrix, factorised, with its negative eigenvalues' signs turned."""
+
+    def __init__(self, factor: Factor, values: Array, modes: Array) -> None:
+        self._factor, self._values, self._modes = factor, values, modes
+
+    def solve(self, right_side: Array) -> Array:
+        """See `Factor`."""
+        along = np.divide(self._modes.T @ right_side, self._values)
+        return self._factor.solve(right_side) - 2 * self._modes @ along
+
+
 class EquilibriumSolver:
     """Finds equilibria of bodies on one assembly.
 
@@ -161,11 +177,7 @@ class EquilibriumSolver:
     def unstable_direction(self, body: Body, state: Array) -> Array:
         """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
         hessian = self.assembly.hessian(body.energies, state)
-        factor = self._linear.factor(hessian)
-        size = len(self.assembly.free)
-        inverse = LinearOperator((size, size), matvec=factor.solve, dtype=float)
-        begin = np.random.default_rng(0).normal(size=size)
-        _, modes = eigsh(hessian, k=1, sigma=0.0, OPinv=inverse, which="SA", v0=begin)
+        _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count=1)
         direction = np.zeros_like(state)
         direction[self.assembly.free] = modes[:, 0]
         return direction / direction[np.argmax(np.abs(direction))]
@@ -211,10 +223,25 @@ class EquilibriumSolver:
         return step * min(1.0, longest / max(np.abs(step).max(), longest))
 
     def _descent(self, body: Body, state: Array) -> Factor:
+        hessian = self.assembly.hessian(body.energies, state)
         try:
-            return self._linear.cholesky(self.assembly.hessian(body.energies, state))
+            return self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
-            return self._convex(body, state)
+            return self._mended(hessian) or self._convex(body, state)
+
+    def _mended(self, hessian: csc_matrix) -> Factor | None:
+        """Return the Hessian with its negative eigenvalues made positive, if they are few.
+
+        Where a shape is about to lose its symmetry one or two of them are nearly 0, and the convex
+        relative, which resists there, would only crawl.
+        """
+        try:
+            factor = self._linear.factor(hessian)
+            if 0 < factor.negative <= FEW_NEGATIVE:
+                return _Mended(factor, *_negative_pairs(hessian, factor, factor.negative))
+        except (SingularMatrixError, ArpackError):
+            pass
+        return None
 
     def _convex(self, body: Body, state: Array) -> Factor:
         convex = self.assembly.convex_hessian(body.energies, state)
@@ -224,6 +251,17 @@ class EquilibriumSolver:
             return self._linear.cholesky(convex)
         except NotPositiveDefiniteError as error:
             raise NoDescentError("round-off hides the convex relative of the stiffness") from error
+
+
+def _negative_pairs(matrix: csc_matrix, factor: Factor, count: int) -> tuple[Array, Array]:
+    """Return the negative eigenvalues nearest to 0, (count,), and their modes, (n, count)."""
+    size = matrix.shape[0]
+    inverse = LinearOperator((size, size), matvec=factor.solve, dtype=float)
+    begin = np.random.default_rng(0).normal(size=size)
+    values, modes = eigsh(
+        matrix, k=count, sigma=0.0, OPinv=inverse, which="SA", v0=begin, tol=MODE_TOLERANCE
+    )
+    return values, modes
 
 
 def _lower(

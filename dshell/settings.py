@@ -18,7 +18,7 @@ class StaticSettings:
     tolerance: float = documented(
         1e-8, "norm of the residual force at an equilibrium over that of the flat state"
     )
-    max_iterations: int = documented(60, "Newton iterations allowed in one load step")
+    max_iterations: int = documented(200, "Newton iterations allowed in one load step")
     ramp: float = documented(
         0.0125, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
     )

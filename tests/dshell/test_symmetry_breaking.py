@@ -1,0 +1,45 @@
+"""Where a round or many-armed specimen loses its symmetry the stable shape is found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bilayer import MeshSize, paper_specimen, solve
+from dshell import MorleySettings
+
+THRESHOLD = 1.0075  # of the uncut disc
+FEW = 80  # iterations: none of the convex relative's crawl, which takes hundreds
+
+
+def released(strips, milestones, size):
+    paper = paper_specimen()
+    cut = replace(paper.cut, strips=strips) if strips else None
+    specimen = replace(paper, cut=cut, mesh=MeshSize(size)).with_milestones(milestones)
+    result = solve(specimen, "dshell", MorleySettings())
+    assert result.attrs["stop_reason"] == ""
+    assert not result.unstable_modes.values.any()
+    return result
+
+
+def test_uncut_disc_goes_from_a_cap_to_a_cylinder():
+    result = released(0, [1.005, 1.007, 1.008, 1.01, 1.03], 0.008)
+    horizontal = np.sort(result.span.values, axis=1)[:, 1:]
+    round_cap = result.prestretch.values < THRESHOLD
+    ratio = horizontal[:, 1] / horizontal[:, 0]
+    assert np.all(ratio[round_cap] < 1.01)
+    assert np.all(np.diff(ratio[~round_cap]) > 0)
+    assert ratio[-1] > 1.1
+    assert result.iterations.values.max() < FEW
+
+
+@pytest.mark.parametrize("stretch", [1.008, 1.03, 1.06])
+def test_uncut_disc_in_one_step_beyond_the_loss_of_symmetry(stretch):
+    result = released(0, [stretch], 0.008)
+    _, width, length = np.sort(result.span.values[0])
+    assert length > 1.002 * width
+
+
+def test_seven_strips_roll_up():
+    result = released(7, [1.05, 1.1], 0.01)
+    assert result.load_steps.values.tolist() == [1, 1]
