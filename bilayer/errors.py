@@ -1,5 +1,7 @@
 """What can go wrong, in two kinds: the input is bad, or the computation failed."""
 
+from typing import Any
+
 
 class BilayerError(Exception):
     """Base of every error that this project raises on purpose; its text is one line."""
@@ -11,3 +13,17 @@ class InputError(BilayerError, ValueError):
 
 class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C, when some milestones were done.
+
+    Parameters
+    ----------
+    result : Dataset
+        With those milestones; its `stop_reason` says that it was interrupted.
+    """
+
+    def __init__(self, result: Any) -> None:
+        super().__init__("interrupted")
+        self.result = result

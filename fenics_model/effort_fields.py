@@ -1,4 +1,4 @@
-"""What the flow to a stable equilibrium did, as variables of the dataset by milestone."""
+"""What each milestone took, as variables of the dataset."""
 
 from collections.abc import Sequence
 
@@ -6,18 +6,50 @@ import numpy as np
 import xarray as xr
 
 from fenics_model.effort import Effort
+from fenics_model.work import Work
 
 
-def effort_dataset(efforts: Sequence[Effort], milestones: int) -> xr.Dataset:
-    """Build the variables `stabilised_steps`, `dissipated_energy`, `escapes`, `guided_steps`.
+def effort_dataset(efforts: Sequence[Effort], works: Sequence[Work], milestones: int) -> xr.Dataset:
+    """Build the variables of what was done to get to each milestone, and of the time it took.
 
     Parameters
     ----------
-    efforts : sequence of Effort
+    efforts, works : sequence of Effort, of Work
         Of the milestones that were reached or tried, in order.
     milestones : int
         Number of milestones; those never tried took nothing.
     """
+    return xr.merge([_counts(efforts, milestones), _seconds(works, milestones)])
+
+
+def _seconds(works: Sequence[Work], milestones: int) -> xr.Dataset:
+    rows = [*works, *[Work()] * (milestones - len(works))]
+    factorisations = np.array([row.factorisations for row in rows], dtype=np.int32)
+    note = "CPU time of the first rank"
+    seconds = {
+        "assembly_time": ([row.assembly for row in rows], f"{note} in assembly"),
+        "factorisation_time": (
+            [row.factorisation for row in rows],
+            f"{note} in factorisations and the solutions with them",
+        ),
+        "cpu_time": ([row.total for row in rows], f"{note} in all, without the start's own"),
+    }
+    return xr.Dataset(
+        {
+            "factorisations": (
+                "prestretch",
+                factorisations,
+                {"long_name": "factorisations, those for the stability included"},
+            ),
+            **{
+                name: ("prestretch", np.array(values), {"units": "s", "long_name": text})
+                for name, (values, text) in seconds.items()
+            },
+        }
+    )
+
+
+def _counts(efforts: Sequence[Effort], milestones: int) -> xr.Dataset:
     rows = [*efforts, *[Effort()] * (milestones - len(efforts))]
     return xr.Dataset(
         {

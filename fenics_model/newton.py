@@ -8,8 +8,9 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
-from bilayer.errors import InputError
+from fenics_model.petsc_options import UserOptions
 from fenics_model.tangent import ExtrapolatedTangent
+from fenics_model.work import Stopwatch
 
 PREFIX = "bilayer_"
 DEFAULT_OPTIONS = {
@@ -25,8 +26,19 @@ DEFAULT_OPTIONS = {
     "mat_mumps_icntl_14": "50",  # percent of extra workspace for delayed pivots
 }
 
-_WRONG_OPTION = (56, 60, 62, 63, 83, 86, 92)
-"""PETSc's codes: unsupported, unequal, wrong, out of range, unreadable, unknown or absent."""
+_FAILURES = {55: "out of memory", 71: "a pivot is zero", 72: "not a number", 76: "MUMPS failed"}
+"""PETSc's error codes for what a shorter step may avoid."""
+
+_MUMPS_FAILURES = {
+    -5: "out of memory",
+    -7: "out of memory",
+    -8: "its workspace is too small",
+    -9: "its workspace is too small",
+    -10: "the tangent is singular",
+    -13: "out of memory",
+    -19: "more memory needed than allowed",
+    -20: "its buffer is too small",
+}
 
 
 @dataclass(frozen=True)
@@ -44,7 +56,7 @@ class NewtonOutcome:
     correction : float
         Norm of the last correction.
     reason : str
-        PETSc's word for how it ended.
+        Why it failed, in a few words; empty where it converged.
     """
 
     converged: bool
@@ -106,6 +118,8 @@ class Newton:
         Iterations after which it has failed.
     options : str
         PETSc options that win over `DEFAULT_OPTIONS` and over the global options database.
+    stopwatch : Stopwatch, optional
+        Told of the work.
     """
 
     def __init__(
@@ -117,6 +131,7 @@ class Newton:
         *,
         iteration_limit: int = 20,
         options: str = "",
+        stopwatch: Stopwatch | None = None,
     ) -> None:
         self._residual_form, self._extrapolated = residual, tangent
         self.state, self._held = state, list(held)
@@ -130,8 +145,9 @@ class Newton:
         self.snes.setJacobian(self._tangent, self.matrix)
         self.snes.setTolerances(max_it=iteration_limit)
         self._viscosity: Viscosity | None = None
-        self._options = options
-        with _options_in_force(options), _option_errors(options):
+        self._stopwatch = Stopwatch() if stopwatch is None else stopwatch
+        self._options = UserOptions(options, DEFAULT_OPTIONS, PREFIX)
+        with self._options.in_force():
             self.snes.setFromOptions()
 
     def destroy(self) -> None:
@@ -149,18 +165,34 @@ class Newton:
         self._drop_failed_factors()
         self.snes.setTolerances(atol=tolerance)
         self._x.array[:] = self.state.x.array[: self._x.local_size]
-        with self._in_force():  # MUMPS reads its own when it first factorises
-            self.snes.solve(None, self._x)
+        reason = self._iterate()
         self._set_state(self._x)
-        reason = self.snes.getConvergedReason()
         iterations = self.snes.getIterationNumber()
+        if iterations:
+            self._options.check_all_used()
         return NewtonOutcome(
-            converged=reason > 0,
+            converged=not reason,
             iterations=iterations,
             residual=float(self.snes.getFunctionNorm()),
             correction=float(self.snes.getSolutionUpdate().norm()) if iterations else 0.0,
-            reason=_reason_name(reason),
+            reason=reason,
         )
+
+    def _iterate(self) -> str:
+        """Run PETSc's iteration from `_x`; return why it failed, or an empty text."""
+        with self._stopwatch.solving(), self._options.in_force():
+            try:
+                self.snes.solve(None, self._x)
+            except PETSc.Error as error:
+                if error.ierr not in _FAILURES:
+                    raise
+                return f"PETSc: {_FAILURES[error.ierr]}"
+        reason = self.snes.getConvergedReason()
+        if reason > 0:
+            return ""
+        if reason == PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE:
+            return why_factorisation_failed(self.factors)
+        return _in_words(reason)
 
     def residual_norm(self) -> float:
         """Norm of the residual of the present state, held dofs left out."""
@@ -177,7 +209,7 @@ class Newton:
         self._tangent(self.snes, self._x, self.matrix, self.matrix)
         solver = self.snes.getKSP()
         solver.setOperators(self.matrix)
-        with self._in_force():
+        with self._stopwatch.solving(), self._options.in_force():
             solver.setUp()
         return solver.getPC()
 
@@ -231,11 +263,6 @@ class Newton:
         matrix.assemble()
         return matrix
 
-    @contextmanager
-    def _in_force(self) -> Iterator[None]:
-        with _options_in_force(self._options), _option_errors(self._options):
-            yield
-
     def _apply_held(self) -> None:
         """Give the held dofs their values, so that no correction is due there."""
         for condition in self._held:
@@ -255,7 +282,8 @@ class Newton:
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:
             local.set(0)
-        fem_petsc.assemble_vector(r, self._residual_form)
+        with self._stopwatch.assembling():
+            fem_petsc.assemble_vector(r, self._residual_form)
         r.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         for condition in self._held:
             dofs, owned = condition.dof_indices()
@@ -265,8 +293,10 @@ class Newton:
         self._set_state(x)
         P.zeroEntries()
         self._extrapolated.advance()
-        fem_petsc.assemble_matrix(P, self._extrapolated.form, self._held)
-        P.assemble()
+        with self._stopwatch.assembling():
+            fem_petsc.assemble_matrix(P, self._extrapolated.form, self._held)
+            P.assemble()
+        self._stopwatch.count_factorisation()
         if self._viscosity is not None:
             same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
             P.axpy(self._viscosity.k, self._viscosity.mass, same)
@@ -281,45 +311,26 @@ def _vector_of(state: fem.Function) -> PETSc.Vec:
     return PETSc.Vec().createGhost(ghosts, sizes, bsize=block, comm=state.function_space.mesh.comm)
 
 
-@contextmanager
-def _options_in_force(text: str) -> Iterator[None]:
-    """Put the defaults, what the database already holds and `text` in force, in that order."""
-    database = PETSc.Options()
-    before = dict(database.getAll())
-    for name, value in DEFAULT_OPTIONS.items():
-        if PREFIX + name not in before:
-            database.setValue(PREFIX + name, value)
-    database.insertString(text)
-    try:
-        yield
-    finally:
-        for name in set(database.getAll()) - set(before):
-            database.delValue(name)
-        for name, value in before.items():
-            database.setValue(name, value)
+def why_factorisation_failed(factors: PETSc.PC) -> str:
+    """Return in words what went wrong in a factorisation, by MUMPS' own number if it has one.
 
-
-@contextmanager
-def _option_errors(text: str) -> Iterator[None]:
-    """Turn PETSc's complaint about an option's value into an error in one line.
-
-    Raises
-    ------
-    InputError
-        An option names a method that PETSc does not have.
+    Source: MUMPS Users' guide, section "Error and warning diagnostics".
     """
-    try:
-        yield
-    except PETSc.Error as error:
-        if error.ierr not in _WRONG_OPTION:
-            raise
-        complaint = str(error).splitlines()[-1].split("] ")[-1]
-        raise InputError(
-            f"solver.petsc_options = {text!r}: expected options that this PETSc knows ({complaint})"
-        ) from error
+    kind = factors.getFailedReason()
+    if factors.getFactorSolverType() != PETSc.Mat.SolverType.MUMPS:
+        return f"the linear solver failed, PETSc's reason {kind}"
+    number = factors.getFactorMatrix().getMumpsInfog(1)
+    return f"the factorisation failed: {_MUMPS_FAILURES.get(number, f'error {number} of MUMPS')}"
 
 
-def _reason_name(reason: int) -> str:
+def _in_words(reason: int) -> str:
+    """Say why an iteration ended."""
     kinds = PETSc.SNES.ConvergedReason
+    words = {
+        kinds.DIVERGED_FNORM_NAN: "an element was turned inside out",
+        kinds.DIVERGED_DTOL: "the residual grew beyond all bounds",
+        kinds.DIVERGED_MAX_IT: "too many iterations",
+        kinds.DIVERGED_LINE_SEARCH: "no step of the line search lowers the residual",
+    }
     names = {getattr(kinds, name): name for name in dir(kinds) if name.isupper()}
-    return names.get(reason, str(reason))
+    return words.get(reason, f"PETSc's reason {names.get(reason, reason)}")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from bilayer.alignment import placed
-from bilayer.errors import BilayerError
+from bilayer.errors import BilayerError, Interrupted
 from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
@@ -49,9 +49,13 @@ from fenics_model.settings import SolidSettings
 from fenics_model.shell_start import Extrusion, settle
 from fenics_model.step_control import StepControl
 from fenics_model.volume_fields import volume_dataset
+from fenics_model.work import Stopwatch, Work
 
 REFERENCE_STRETCH = (1.001, 1.001)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
+
+INTERRUPTED = "interrupted"
+"""Why a run stopped that was told to."""
 
 FIRST_DISTANCE = 0.1
 """Of the walk off an unstable milestone, over the substrate's thickness."""
@@ -76,8 +80,8 @@ def release(
     )
     run = Release(specimen, planar, body, settings, shapes, progress if comm.rank == 0 else None)
     stop_reason = run.follow()
-    states, positions, efforts, departures, stop_reason = comm.bcast(
-        (run.states, run.positions, run.efforts, run.departures, stop_reason)
+    states, positions, efforts, works, departures, stop_reason = comm.bcast(
+        (run.states, run.positions, run.efforts, run.works, run.departures, stop_reason)
     )
     milestones = len(body.path.milestones)
     result = build_result(
@@ -90,10 +94,13 @@ def release(
         versions=versions(),
         stop_reason=stop_reason,
         extra=volume_dataset(body.solid.mesh.volume, body.layer_names, positions, milestones)
-        .merge(effort_dataset(efforts, milestones))
+        .merge(effort_dataset(efforts, works, milestones))
         .merge(branch_dataset(departures, milestones)),
     )
-    return result.assign_attrs(start=start_description)
+    result = result.assign_attrs(start=start_description)
+    if stop_reason == INTERRUPTED:
+        raise Interrupted(result)
+    return result
 
 
 class Release:
@@ -120,7 +127,7 @@ class Release:
         Of the milestones so far.
     positions : list of (v, 3) array of float
         Vertices of the volume mesh at the milestones that were reached, m.
-    efforts : list of Effort
+    efforts, works : list of Effort, of Work
         What each of `states` took.
     departures : list of Departure or None
         Of the milestones that were reached: how an unstable equilibrium was left.
@@ -139,7 +146,9 @@ class Release:
         self._mesh, self._body = mesh, body
         self._settings, self._progress = settings, progress
         solid = body.solid
+        self._comm = solid.mesh.mesh.comm
         self._absent = solid.absent_pressures()
+        self._stopwatch = Stopwatch()
         self._newton = Newton(
             solid.residual,
             solid.tangent,
@@ -147,6 +156,7 @@ class Release:
             [*self._absent, *solid.held_points(held_points(mesh, solid.mesh.volume))],
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
+            stopwatch=self._stopwatch,
         )
         radius, substrate = specimen.outer_radius, specimen.substrate
         self._flow = GradientFlow(
@@ -171,6 +181,7 @@ class Release:
         self.states: list[MilestoneState] = []
         self.positions: list[NDArray[np.float64]] = []
         self.efforts: list[Effort] = []
+        self.works: list[Work] = []
         self.departures: list[Departure | None] = []
         self._tally = _Tally()
 
@@ -181,7 +192,13 @@ class Release:
             self._newton,
             solid,
             Extrusion(solid, self._mesh),
-            partial(settle, solid, self._absent, options=self._settings.petsc_options),
+            partial(
+                settle,
+                solid,
+                self._absent,
+                options=self._settings.petsc_options,
+                stopwatch=self._stopwatch,
+            ),
             {
                 ends[found.milestone] - found.remaining: placed(
                     found.shape, self._mesh.points, held
@@ -213,6 +230,10 @@ class Release:
                 self._note(equilibrium)
         except PathError as stopped:
             return self._note_failure(stopped)
+        except KeyboardInterrupt:
+            if self._comm.size > 1 or not self.states:  # the ranks stop at different places
+                raise
+            return INTERRUPTED
         finally:
             self._newton.destroy()
         return ""
@@ -233,20 +254,24 @@ class Release:
                 unstable=equilibrium.unstable_modes,
             )
         )
-        self.efforts.append(self._tally.effort)
-        self._tally = _Tally()
+        self._note_effort()
 
     def _note_failure(self, stopped: PathError) -> str:
         """Keep the last equilibrium as the state of the milestone that was not reached."""
         self._tally.effort += stopped.effort
-        self.efforts.append(self._tally.effort)
         reached = max(self._body.path.stretch(stopped.parameter))
         self.states.append(
             self._state(
                 converged=False, reached=reached, residual=math.nan, unstable=UNKNOWN_STABILITY
             )
         )
+        self._note_effort()
         return f"stopped at prestretch {reached:.6g}: {stopped}"
+
+    def _note_effort(self) -> None:
+        self.efforts.append(self._tally.effort)
+        self.works.append(self._stopwatch.taken())
+        self._tally = _Tally()
 
     def _state(
         self, *, converged: bool, reached: float, residual: float, unstable: int

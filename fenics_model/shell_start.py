@@ -19,12 +19,18 @@ from fenics_model.jit import JIT_OPTIONS
 from fenics_model.newton import Newton, NewtonOutcome
 from fenics_model.solid import Solid
 from fenics_model.strain_energy import stress
+from fenics_model.work import Stopwatch
 
 _EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
 
 
 def settle(
-    solid: Solid, held: Sequence[fem.DirichletBC], tolerance: float, *, options: str
+    solid: Solid,
+    held: Sequence[fem.DirichletBC],
+    tolerance: float,
+    *,
+    options: str = "",
+    stopwatch: Stopwatch | None = None,
 ) -> NewtonOutcome:
     """Solve for everything but the interface's vertices, which stay where they are."""
     here = solid.state.copy()
@@ -35,7 +41,12 @@ def settle(
         for axis in range(3)
     ]
     newton = Newton(
-        solid.residual, solid.tangent, solid.state, [*held, *interface], options=options
+        solid.residual,
+        solid.tangent,
+        solid.state,
+        [*held, *interface],
+        options=options,
+        stopwatch=stopwatch,
     )
     outcome = newton.solve(tolerance)
     newton.destroy()

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from bilayer.errors import Interrupted
 from bilayer.output_file import check_writable
 from bilayer.progress import progress_bar
 from bilayer.ranks import is_first_rank, join_mpi
@@ -56,9 +57,13 @@ def run(options: argparse.Namespace) -> int:
     if options.verbose and first:
         print(settings, file=sys.stderr)
     with progress_bar(options.solver, shown=first and not options.quiet) as progress:
-        result = solve(
-            specimen, options.solver, settings, mesh=mesh, start=start, progress=progress
-        )
+        try:
+            result = solve(
+                specimen, options.solver, settings, mesh=mesh, start=start, progress=progress
+            )
+        except Interrupted as interrupted:
+            write_result(interrupted.result, options.output)
+            raise
     if first:
         write_result(result, options.output)
         if not options.quiet:
