@@ -20,7 +20,7 @@ enter_root() {  # root, command...
     read -r holder < <(bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- &) ||
         fail 1 "bubblewrap could not enter $root"
     wait $!
-    set_root_variables
+    set_root_variables "$root"
     # shellcheck disable=SC2016
     exec "${join[@]}" --target "$holder" /bin/sh -c '
         kill "$1"
@@ -69,7 +69,7 @@ etc_of_the_machine=(
     /etc/pip.conf /etc/ssl/certs/ca-certificates.crt
 )
 
-set_root_variables() {
+set_root_variables() {  # root
     local name
     # Paths of the machine's own compilers, libraries and Pythons mean nothing inside.
     for name in PYTHONHOME PYTHONPATH VIRTUAL_ENV CONDA_PREFIX LD_LIBRARY_PATH LD_PRELOAD \
@@ -82,20 +82,31 @@ set_root_variables() {
     export LANG=C.UTF-8 LC_ALL=C.UTF-8  # the only locale inside
     # MPI within this machine alone: shared memory, no search for fast networks and their warnings.
     export OMPI_MCA_pml=${OMPI_MCA_pml:-ob1} OMPI_MCA_btl=${OMPI_MCA_btl:-self,sm}
-    set_common_variables
+    set_common_variables "$1"
 }
 
 # What holds in every way: the checkout's package and commands are found, one thread per rank, and
 # mpirun may start more ranks than there are cores.
 # scripts/ comes last on the PATH, because its `env` and `test` must not hide the system's.
 # A nested call finds BILAYER_ENV=native and so runs its command directly.
-set_common_variables() {
+set_common_variables() {  # root, or nothing for this machine's own
+    local more_ranks_than_cores
+    more_ranks_than_cores=$(name_of_mapping_policy "$1")
     export BILAYER_ENV=native
     [[ :$PATH: == *:$checkout/scripts:* ]] || export PATH=$PATH:$checkout/scripts
     [[ :${PYTHONPATH-}: == *:$checkout:* ]] || export PYTHONPATH=$checkout${PYTHONPATH:+:$PYTHONPATH}
     export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
-    export PRTE_MCA_rmaps_default_mapping_policy=${PRTE_MCA_rmaps_default_mapping_policy:-:oversubscribe}
+    export "$more_ranks_than_cores=${!more_ranks_than_cores:-:oversubscribe}"
     if ((UID == 0)); then
         export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    fi
+}
+
+# Open MPI 6 has another name for it, and complains of the one before.
+name_of_mapping_policy() {  # root
+    if compgen -G "$1/usr/lib/*/libprrte.so.5" >/dev/null; then
+        echo PRTE_MCA_mapby
+    else
+        echo PRTE_MCA_rmaps_default_mapping_policy
     fi
 }

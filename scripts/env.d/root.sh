@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # Making a Debian root file system: mmdebstrap, a list of packages, the machine's own mirror.
-# Sourced by scripts/env and scripts/ccx, which say what is made: the suite, the folder that it is
-# kept in, and a function `packages` that prints the list.
+# Sourced by scripts/env, scripts/ccx and scripts/image, which say what is made: the suite, the folder
+# that it is kept in, and a function `packages` that prints the list.
 : "${script:?}" "${suite:?}" "${cache:?}"
 
 recipe=1  # raise it when start_mmdebstrap makes something else of the same list
@@ -49,7 +49,7 @@ need_namespaces() {
         fail 1 "bubblewrap may not make mounts here (in a container, or user namespaces are switched off?); take Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
     ((UID == 0)) || need_command newuidmap uidmap
     said=$("${as_owner[@]}" true 2>&1) ||
-        fail 1 "the user $(id -un) may not make a root file system here: ${said:-no user namespaces}; root can allow it with: usermod --add-subuids 100000-165535 --add-subgids 100000-165535 $(id -un)"
+        fail 1 "the user $(id -un) may not make a root file system here: ${said:-no user namespaces}; root can allow it with: usermod --add-subuids FIRST-LAST --add-subgids FIRST-LAST $(id -un) (65536 ids that nobody else has)"
 }
 
 build_root_unless_built() {
@@ -111,21 +111,26 @@ remove_unless_in_use() {  # folder
     flock --exclusive --nonblock "$1" "${as_owner[@]}" rm -rf --one-file-system "$1" 2>/dev/null
 }
 
-# Runs as the process that it replaces. mmdebstrap gets its own mounts and process ids, so that
-# killing it leaves neither mounts nor processes, and dies with the start that it belongs to.
 start_mmdebstrap() {  # folder to make
-    local folder=$1 alone sources
-    mapfile -t sources < <(debian_sources)
-    alone=(setpriv --pdeathsig KILL "${as_owner[@]:-unshare}" --mount --pid --mount-proc --fork --kill-child)
     # shellcheck disable=SC2016
-    exec "${alone[@]}" mmdebstrap --mode=root --verbose --variant=apt --format=directory \
+    run_mmdebstrap "$1" --verbose --variant=apt --format=directory \
         --include="$(packages | paste -sd,)" \
-        --aptopt="$(apt_settings)" \
         --setup-hook='mkdir -p "$1/var/cache/apt/archives"' \
         --setup-hook="find ${cache@Q}/packages -name '*.deb' -exec cp --target-directory=\"\$1/var/cache/apt/archives\" {} + 2>/dev/null || true" \
         --customize-hook='rm -f "$1"/var/cache/apt/archives/*.deb "$1"/etc/apt/apt.conf.d/99mmdebstrap' \
-        --customize-hook='cd "$1/etc" && rm -f localtime && touch localtime pip.conf hosts hostname resolv.conf' \
-        "$suite" "$folder" "${sources[@]}" </dev/null
+        --customize-hook='cd "$1/etc" && rm -f localtime dpkg/dpkg.cfg.d/99mmdebstrap && touch localtime pip.conf hosts hostname resolv.conf'
+}
+
+# Runs as the process that it replaces. mmdebstrap gets its own mounts and process ids, so that
+# killing it leaves neither mounts nor processes, and dies with the start that it belongs to. Nothing
+# need be on the disk before the end, so dpkg does not wait for every file.
+run_mmdebstrap() {  # what to make, options...
+    local target=$1 alone sources
+    shift
+    mapfile -t sources < <(debian_sources)
+    alone=(setpriv --pdeathsig KILL "${as_owner[@]:-unshare}" --mount --pid --mount-proc --fork --kill-child)
+    exec "${alone[@]}" mmdebstrap --mode=root --aptopt="$(apt_settings)" --dpkgopt=force-unsafe-io "$@" \
+        "$suite" "$target" "${sources[@]}" </dev/null
 }
 
 # One line of apt's for each part of the suite that the machine has the counterpart of, from the same

@@ -612,6 +612,7 @@ def test_the_ccx_of_this_machine_is_taken_and_the_script_never_finds_itself(mach
 def test_without_one_a_small_root_of_debian_12_is_made_once(machine):
     machine.finish()
     (main_root,) = machine.all_roots
+    hide_system_commands(machine, "ccx")
     status, output, errors = machine.finish("-v", script="ccx")
     assert (status, output) == (0, "entered\n")
     assert "scripts/ccx: making a Debian bookworm environment" in errors
@@ -623,11 +624,20 @@ def test_without_one_a_small_root_of_debian_12_is_made_once(machine):
     assert main_root in machine.all_roots
 
 
+def test_inside_the_environment_one_line_says_that_it_is_made_outside(machine):
+    hide_system_commands(machine, "mmdebstrap")
+    machine.variables["BILAYER_ENV"] = "native"
+    status, output, errors = machine.finish("-v", script="ccx")
+    assert (status, output) == (1, "")
+    assert is_one_line(errors)
+    assert "start scripts/ccx once outside" in errors
+
+
 def hide_system_commands(machine: Machine, missing: str) -> None:
     """Leave on the PATH what a plain system has, without apt-get and the missing command."""
-    (machine.folder / "commands" / missing).unlink()
+    (machine.folder / "commands" / missing).unlink(missing_ok=True)
     for command in Path("/usr/bin").iterdir():
         link = machine.folder / "commands" / command.name
-        if command.name not in (missing, "apt-get") and not link.exists():
+        if command.name not in (missing, "apt-get", "ccx") and not link.exists():
             link.symlink_to(command)
     machine.variables["PATH"] = str(machine.folder / "commands")
