@@ -4,12 +4,14 @@ Positions x and velocities v at the end of a time step of length h solve
 
     m (v - v_old) / h + m c v + dE/dx(x, t) = f(t),    v = (x - x_old) / h,
 
-by full Newton steps on the residual of the free nodes, to a tolerance on its Euclidean norm.
-Nothing here knows what the energies are, nor why they change with time.
+by full Newton steps on the residual of what is free, to a tolerance on its Euclidean norm. What
+has no mass follows at once. Nothing here knows what the energies are, nor why they change with
+time. The step is fixed (`implicit_euler`) or finds its own length (`adaptive_euler`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy, coordinates_of
+from dshell.assembly import Assembly, Energy
 
 Array = NDArray[np.float64]
 
@@ -28,20 +30,20 @@ class MovingBody:
 
     Parameters
     ----------
-    masses : (n,) array of float
-        Mass of each node, kg.
-    held_nodes : array of int
-        Nodes that do not move.
+    masses : array of float
+        Mass behind each degree of freedom, kg, in the shape of the position; 0 where there is none.
+    held : array of int
+        Degrees of freedom that do not move, by their places in the flattened position.
     energies : callable
         Energies at a time (s), always on the same elements.
     load : callable
-        Force on each node at a time, N, shape (n, 3).
+        Force on each degree of freedom at a time, N, in the shape of the position.
     damping_rate : float
         c, drag per mass and velocity, 1/s.
     """
 
     masses: Array
-    held_nodes: NDArray[np.int64]
+    held: NDArray[np.int64]
     energies: Callable[[float], Sequence[Energy]]
     load: Callable[[float], Array]
     damping_rate: float = 0.0
@@ -49,8 +51,23 @@ class MovingBody:
     def assembly(self) -> Assembly:
         """Return the assembly of the body's energies."""
         stencils = [term.dofs for term in self.energies(0.0)]
-        held = coordinates_of(self.held_nodes).reshape(-1)
-        return Assembly(3 * len(self.masses), stencils, held)
+        return Assembly(self.masses.size, stencils, self.held)
+
+
+@dataclass(frozen=True)
+class NewtonRule:
+    """When a time step has converged, and when it is given up.
+
+    Parameters
+    ----------
+    tolerance : float
+        Norm of the residual that is small enough, N.
+    max_iterations : int
+        Newton iterations allowed in one time step.
+    """
+
+    tolerance: float
+    max_iterations: int
 
 
 @dataclass(frozen=True)
@@ -63,16 +80,47 @@ class Stepping:
         h, s.
     steps : int
         Number of time steps.
-    tolerance : float
-        Norm of the residual below which a step has converged, N.
-    max_iterations : int
-        Newton iterations allowed in one time step.
+    tolerance, max_iterations
+        See `NewtonRule`.
     """
 
     time_step: float
     steps: int
     tolerance: float
     max_iterations: int
+
+    @property
+    def rule(self) -> NewtonRule:
+        """When one of the steps has converged."""
+        return NewtonRule(self.tolerance, self.max_iterations)
+
+
+@dataclass(frozen=True)
+class AdaptiveStepping:
+    """Time steps that find their own length.
+
+    A step that does not converge is tried again at half its length; one that needs few iterations
+    lets the next be longer.
+
+    Parameters
+    ----------
+    first_step : float
+        Length of the first, s.
+    end : float
+        Time at which the last one ends, s.
+    rule : NewtonRule
+        When a step has converged.
+    """
+
+    first_step: float
+    end: float
+    rule: NewtonRule
+
+    EASY: ClassVar[int] = 5
+    """Iterations up to which a step counts as easy."""
+    GROWTH: ClassVar[float] = 1.5
+    HALVINGS: ClassVar[int] = 20
+    """How often the first step may be halved in all before the motion is given up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +131,10 @@ class Motion:
     ----------
     time : float
         s.
-    position, velocity : (n, 3) arrays of float
-        m and m/s.
+    position, velocity : arrays of float
+        m and m/s, nodes in shape (n, 3) or all degrees of freedom in a row.
     iterations : int
-        Newton iterations of the step that ended here.
+        Newton iterations of the step that ended here, and of those tried in its place before.
     error : float
         Norm of its last residual, N.
     """
@@ -136,33 +184,79 @@ def implicit_euler(body: MovingBody, start: Motion, stepping: Stepping) -> Itera
     motion = start
     for step in range(1, stepping.steps + 1):
         time = start.time + step * stepping.time_step
-        motion = _step(body, assembly, motion, time, stepping)
+        motion = _step(body, assembly, motion, time, stepping.time_step, stepping.rule)
+        yield motion
+
+
+def adaptive_euler(body: MovingBody, start: Motion, stepping: AdaptiveStepping) -> Iterator[Motion]:
+    """Advance a body in time by steps that find their own length.
+
+    Parameters
+    ----------
+    body : MovingBody
+        What moves.
+    start : Motion
+        Where it starts; not yielded.
+    stepping : AdaptiveStepping
+        The first step, and the end.
+
+    Yields
+    ------
+    Motion
+        The converged state at the end of each time step; the last one at the end.
+
+    Raises
+    ------
+    ConvergenceError
+        The shortest step did not converge; the last state yielded is the last good one.
+    """
+    assembly = body.assembly()
+    motion, wish = start, stepping.first_step
+    shortest = stepping.first_step / 2**stepping.HALVINGS
+    tried = 0
+    while motion.time < stepping.end:
+        left = stepping.end - motion.time
+        h = left if wish >= left else min(wish, left / 2)  # no tiny step is left for the end
+        time = stepping.end if h == left else motion.time + h
+        try:
+            done = _step(body, assembly, motion, time, h, stepping.rule)
+        except ConvergenceError as stop:
+            tried += stop.iterations
+            if h / 2 < shortest:
+                stop.iterations = tried
+                raise
+            wish = h / 2
+            continue
+        if done.iterations <= stepping.EASY:
+            wish = max(wish, h * stepping.GROWTH)
+        motion = replace(done, iterations=done.iterations + tried)
+        tried = 0
         yield motion
 
 
 def _step(
-    body: MovingBody, assembly: Assembly, old: Motion, time: float, stepping: Stepping
+    body: MovingBody, assembly: Assembly, old: Motion, time: float, h: float, rule: NewtonRule
 ) -> Motion:
-    """Solve one time step, from a guess of unchanged velocity."""
-    h, free = stepping.time_step, assembly.free
+    """Solve one time step of length h, from a guess of unchanged velocity."""
+    free = assembly.free
     energies, load = body.energies(time), body.load(time)
-    masses = body.masses[:, None]
-    inertia = np.repeat(body.masses, 3)[free] * (1 / h**2 + body.damping_rate / h)
+    masses = body.masses
+    inertia = masses.reshape(-1)[free] * (1 / h**2 + body.damping_rate / h)
     position = old.position.copy()
     coordinates = position.reshape(-1)
     coordinates[free] += h * old.velocity.reshape(-1)[free]
-    for iterations in range(stepping.max_iterations + 1):
+    for iterations in range(rule.max_iterations + 1):
         velocity: Array = np.divide(position - old.position, h)
         momentum = masses * ((velocity - old.velocity) / h + body.damping_rate * velocity)
         residual = (momentum + assembly.gradient(energies, position) - load).reshape(-1)[free]
         error = float(np.linalg.norm(residual))
-        if error <= stepping.tolerance:
+        if error <= rule.tolerance:
             return Motion(time, position, velocity, iterations, error)
-        if not np.isfinite(error) or iterations == stepping.max_iterations:
+        if not np.isfinite(error) or iterations == rule.max_iterations:
             break
         jacobian = assembly.hessian(energies, position, diagonal=inertia)
         coordinates[free] -= _solved(jacobian, residual)
-    raise ConvergenceError(time, iterations, error, stepping.tolerance)
+    raise ConvergenceError(time, iterations, error, rule.tolerance)
 
 
 def _solved(matrix: csc_matrix, right_side: Array) -> Array:

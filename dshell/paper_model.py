@@ -18,7 +18,7 @@ from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from dshell.assembly import total_energies
+from dshell.assembly import coordinates_of, total_energies
 from dshell.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
 from dshell.interface import bonded_interface
 from dshell.masses import lumped_masses
@@ -163,13 +163,12 @@ def paper_body(
     settings : PaperSettings
         Duration, gravity and damping.
     """
-    masses = lumped_masses(specimen, mesh, stretch)
-    weight = np.zeros((len(masses), 3))
-    weight[:, 2] = -masses * settings.gravity
+    masses = np.repeat(lumped_masses(specimen, mesh, stretch)[:, None], 3, axis=1)
+    weight = -settings.gravity * masses * [0, 0, 1]
     end = settings.total_time
     return MovingBody(
         masses,
-        np.array([mesh.centre_node]),
+        coordinates_of(np.array([mesh.centre_node])).reshape(-1),
         energies=lambda now: ramp.at(now / end),
         load=lambda now: (1 - now / end) * weight,
         damping_rate=settings.damping_rate,
@@ -191,7 +190,7 @@ def force_scale(specimen: Specimen, thickness: float) -> float:
 def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
     """Return the energies at one time, J; the kinetic one tells how far from rest the shape is."""
     elastic = total_energies(body.energies(motion.time), motion.position)
-    return {**elastic, "kinetic": float(0.5 * body.masses @ (motion.velocity**2).sum(axis=1))}
+    return {**elastic, "kinetic": float(0.5 * (body.masses * motion.velocity**2).sum())}
 
 
 def _stop_reason(prestretch: float, share: float, stop: ConvergenceError) -> str:
