@@ -17,6 +17,7 @@ from bilayer.specimen_file import (
     read_specimen,
     specimen_to_toml,
 )
+from bilayer.study.dataset import open_study
 from bilayer.version import __version__
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "__version__",
     "generate_mesh",
     "open_result",
+    "open_study",
     "paper_specimen",
     "parse_specimen",
     "read_planar_mesh",

@@ -50,7 +50,7 @@ def read_scalars(path: str | Path) -> Scalars:
             chosen = {
                 name: variable
                 for name, variable in stored.variables.items()
-                if variable.dimensions in DIMENSIONS and variable.dtype != str
+                if variable.dimensions in DIMENSIONS and name not in variable.dimensions
             }
             return Scalars(
                 {name: np.asarray(variable[:], dtype=float) for name, variable in chosen.items()},
@@ -63,4 +63,6 @@ def read_scalars(path: str | Path) -> Scalars:
 
 
 def _attributes(holder: Any) -> dict[str, Any]:
-    return {name: holder.getncattr(name) for name in holder.ncattrs() if name != "_FillValue"}
+    """Return the attributes that mean something away from the file."""
+    names = [name for name in holder.ncattrs() if name not in ("_FillValue", "coordinates")]
+    return {name: holder.getncattr(name) for name in names}

@@ -1,10 +1,15 @@
 """The verb `info`: what made a result, and how far it can be trusted."""
 
 import argparse
+import shlex
 from typing import Any
 
+import xarray as xr
+
 from bilayer.report import provenance
+from bilayer.rerun import solve_command
 from bilayer.result import open_result
+from bilayer.solvers import SOLVERS
 from bilayer.verbs.parser import add_verb
 
 
@@ -15,9 +20,27 @@ def add(verbs: Any) -> None:
         "bilayer info fenics.nc",
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("--specimen", action="store_true", help="print only the specimen's TOML file")
 
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
-    print(provenance(open_result(options.result)))
+    result = open_result(options.result)
+    if options.specimen:
+        print(result.attrs["specimen"], end="")
+        return 0
+    print(provenance(result))
+    if result.attrs["solver"] in SOLVERS:
+        print(_to_run_again(options.result, result))
     return 0
+
+
+def _to_run_again(path: str, result: xr.Dataset) -> str:
+    file = shlex.quote(path)
+    return (
+        "\nTo run it again, with the versions above:\n"
+        f"  bilayer rerun {file}\n"
+        "or step by step:\n"
+        f"  bilayer info {file} --specimen > specimen.toml\n"
+        f"  {solve_command(result)}"
+    )

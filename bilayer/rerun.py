@@ -1,0 +1,129 @@
+"""A result computed again from what its own file holds, and whether the numbers agree.
+
+Specimen, settings and planar mesh come from the file, so that neither a changed default nor another
+version of gmsh counts. On one machine two serial runs agree to the last bit.
+"""
+
+import shlex
+import tomllib
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from bilayer.result import result_mesh, result_specimen
+from bilayer.settings import settings_from
+from bilayer.solvers import Progress, settings_kind, solve
+
+AGREEMENT = 1e-8
+"""Largest difference of two positions that agree, relative to the outer radius."""
+NOT_COMPARED = ("wall_time",)
+
+
+def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
+    """Compute a result again.
+
+    Parameters
+    ----------
+    result : Dataset
+        From `bilayer.open_result`.
+    progress : callable, optional
+        See `bilayer.solvers.Progress`.
+
+    Returns
+    -------
+    Dataset
+        See `bilayer.result`.
+
+    Raises
+    ------
+    InputError
+        No solver of ours made it, or its settings are unknown to this version.
+    """
+    kind = settings_kind(result.attrs["solver"], result.attrs["model"])
+    settings: Any = settings_from(kind, tomllib.loads(result.attrs["settings"]))
+    return solve(
+        result_specimen(result),
+        result.attrs["solver"],
+        settings,
+        mesh=result_mesh(result),
+        progress=progress,
+    )
+
+
+def solve_command(result: xr.Dataset) -> str:
+    """Return the command that computes a result again from its specimen's file.
+
+    Settings at their defaults are left out.
+
+    Raises
+    ------
+    InputError
+        No solver of ours made it.
+    """
+    solver, model = result.attrs["solver"], result.attrs["model"]
+    defaults = vars(settings_kind(solver, model)())
+    words = ["bilayer", "solve", "specimen.toml", "--solver", solver, "--model", model]
+    for name, value in tomllib.loads(result.attrs["settings"]).items():
+        if value != defaults.get(name):
+            words += ["--set", f"solver.{name}={_word(value)}"]
+    return shlex.join([*words, "-o", "again.nc"])
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
+    """Return how far two runs of one case are from each other.
+
+    Parameters
+    ----------
+    first, second : Dataset
+        Results on the same mesh, with the same milestones.
+
+    Returns
+    -------
+    DataFrame
+        A row per variable that both have, the times left out: `difference`, the largest in the
+        variable's own unit (infinite where only one of them has a number), and `same_bits`.
+    """
+    names = [
+        str(name)
+        for name in first.data_vars
+        if name in second and first[name].dtype.kind in "fi" and name not in NOT_COMPARED
+    ]
+    rows = [
+        {
+            "variable": name,
+            "difference": _largest(first[name].values, second[name].values),
+            "units": first[name].attrs.get("units", ""),
+            "same_bits": np.array_equal(first[name].values, second[name].values, equal_nan=True),
+        }
+        for name in names
+    ]
+    return pd.DataFrame(rows)
+
+
+def agree(first: xr.Dataset, second: xr.Dataset) -> bool:
+    """Whether two runs of one case reached the same milestones with the same shapes.
+
+    The positions of all nodes agree to `AGREEMENT` times the outer radius.
+    """
+    reached = np.array_equal(first["converged"].values, second["converged"].values)
+    radius = result_specimen(first).outer_radius
+    distance = _largest(first["position"].values, second["position"].values)
+    return reached and bool(distance <= AGREEMENT * radius)
+
+
+def _word(value: Any) -> str:
+    """Return a setting as the command line reads it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _largest(first: np.ndarray, second: np.ndarray) -> float:
+    if first.shape != second.shape:
+        return np.inf
+    one_is_missing = np.isnan(first) != np.isnan(second)
+    if one_is_missing.any():
+        return np.inf
+    same = (first == second) | np.isnan(first)  # infinite gaps, too
+    with np.errstate(invalid="ignore"):
+        return float(np.max(np.where(same, 0.0, np.abs(first - second)), initial=0.0))

@@ -1,0 +1,46 @@
+"""The verb `rerun`: a result computed again, and whether the numbers agree."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from bilayer.output_file import check_writable
+from bilayer.progress import progress_bar
+from bilayer.ranks import is_first_rank, join_mpi
+from bilayer.rerun import AGREEMENT, agree, differences, rerun
+from bilayer.result import open_result, write_result
+from bilayer.solvers import solver_package
+from bilayer.verbs.parser import add_verb
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "rerun", "compute a result again, and say whether the numbers agree",
+        "bilayer rerun result.nc",
+    )  # fmt: skip
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("-o", "--output", metavar="FILE.nc", help="keep the new result")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status: 0 where the shapes agree."""
+    join_mpi()
+    first = is_first_rank()
+    result = open_result(options.result)
+    if not (first or solver_package(result.attrs["solver"]).PARALLEL):
+        return 0  # the first rank computes alone
+    if options.output is not None:
+        check_writable(Path(options.output))
+    title = f"{result.attrs['solver']} {result.attrs['model']}"
+    with progress_bar(title, shown=first and not options.quiet) as progress:
+        again = rerun(result, progress)
+    if first and options.output is not None:
+        write_result(again, options.output)
+    table, good = differences(result, again), agree(result, again)
+    if first:
+        if not options.quiet:
+            print(table.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+        same = "to the last bit" if table["same_bits"].all() else f"to {AGREEMENT:g} of the radius"
+        print(f"The two runs agree {same}." if good else "The two runs DO NOT AGREE.")
+    return 0 if good else 1

@@ -1,0 +1,74 @@
+"""A result computed again from its own file: the same numbers, or it says that they are not."""
+
+import numpy as np
+import pytest
+from made_results import cap_result, small_specimen
+
+from bilayer import open_result, write_result
+from bilayer.command_line import main
+from bilayer.rerun import agree, differences
+from bilayer.specimen_file import specimen_to_toml
+
+SHELL = ["--solver", "dshell", "--model", "hinge", "--prestretch", "1.03", "1.06"]
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """A result of the hinge model on a coarse mesh."""
+    folder = tmp_path_factory.mktemp("rerun")
+    (folder / "s.toml").write_text(specimen_to_toml(small_specimen()))
+    path = folder / "a.nc"
+    words = ["solve", str(folder / "s.toml"), *SHELL, "--set", "solver.ramp=0.02"]
+    assert main([*words, "-o", str(path), "--quiet"]) == 0
+    return path
+
+
+def test_two_serial_runs_give_the_same_numbers_to_the_last_bit(stored, tmp_path, capsys):
+    assert main(["rerun", str(stored), "-o", str(tmp_path / "b.nc")]) == 0
+    assert "The two runs agree to the last bit." in capsys.readouterr().out
+    first, again = open_result(stored), open_result(tmp_path / "b.nc")
+    assert again.attrs["settings"] == first.attrs["settings"]
+    assert "ramp = 0.02" in again.attrs["settings"]
+    for name in ("position", "energy", "quality", "residual"):
+        np.testing.assert_array_equal(again[name].values, first[name].values)
+
+
+def test_a_file_that_this_program_does_not_make_is_told(stored, tmp_path, capsys):
+    result = open_result(stored)
+    result["position"][1, 0, 2] += 1e-7
+    write_result(result, tmp_path / "c.nc")
+    assert main(["rerun", str(tmp_path / "c.nc"), "--quiet"]) == 1
+    assert capsys.readouterr().out == "The two runs DO NOT AGREE.\n"
+
+
+def test_differences_are_the_largest_of_each_variable():
+    first = cap_result()
+    second = first.copy(deep=True)
+    second["height"][1] += 1e-3
+    table = differences(first, second).set_index("variable")
+    assert table.loc["height", "difference"] == pytest.approx(1e-3)
+    assert not table.loc["height", "same_bits"]
+    assert table.loc["position", "same_bits"]
+    assert "wall_time" not in table.index
+    assert agree(first, second)
+    stopped = first.copy(deep=True)
+    stopped["converged"][2] = 0
+    stopped["position"][2] = np.nan
+    assert not agree(first, stopped)
+    assert np.isinf(differences(first, stopped).set_index("variable").loc["position", "difference"])
+
+
+def test_info_prints_the_command_that_makes_a_result_again(stored, tmp_path, capsys):
+    assert main(["info", str(stored), "--specimen"]) == 0
+    (tmp_path / "again.toml").write_text(capsys.readouterr().out)
+    assert main(["info", str(stored)]) == 0
+    told = capsys.readouterr().out
+    assert f"bilayer rerun {stored}" in told
+    (line,) = [line for line in told.splitlines() if "bilayer solve" in line]
+    words = line.split("bilayer solve specimen.toml ")[1].split()
+    assert words == ["--solver", "dshell", "--model", "hinge", "--set", "solver.ramp=0.02",
+                     "-o", "again.nc"]  # fmt: skip
+    words[-1] = str(tmp_path / "again.nc")
+    assert main(["solve", str(tmp_path / "again.toml"), *words, "--quiet"]) == 0
+    again = open_result(tmp_path / "again.nc")
+    np.testing.assert_array_equal(again["position"].values, open_result(stored)["position"].values)
