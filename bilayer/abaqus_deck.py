@@ -219,15 +219,15 @@ def _ascii(text: str) -> str:
 
 
 def _mesh_of(part: _Part) -> Iterator[str]:
-    numbers = part.first_node + np.arange(len(part.drawn.points))
     yield f"*NODE, NSET=N{part.name}"
-    for number, place in zip(numbers, MILLIMETRES * part.drawn.points, strict=True):
+    places = (MILLIMETRES * part.drawn.points).tolist()
+    for number, place in enumerate(places, start=part.first_node):
         yield f"{number}, " + ", ".join(f"{value:.12g}" for value in place)
     first = part.first_element
     for kind, elements in (("C3D20R", part.drawn.hexahedra), ("C3D15", part.drawn.wedges)):
         if len(elements):
             yield f"*ELEMENT, TYPE={kind}, ELSET={part.name}"
-        for number, nodes in enumerate(elements + part.first_node, start=first):
+        for number, nodes in enumerate((elements + part.first_node).tolist(), start=first):
             words = [str(number), *map(str, nodes)]
             yield ", ".join(words[:11]) + ","
             yield ", ".join(words[11:])
@@ -306,7 +306,7 @@ def _ties(substrate: _Part, kirigami: _Part, control: int) -> Iterator[str]:
     first, second = first[tied], second[tied]
     gap = kirigami.place(second) - substrate.place(first)
     yield "*EQUATION"
-    for a, b, apart in zip(first, second, MILLIMETRES * gap, strict=True):
+    for a, b, apart in zip(first, second, (MILLIMETRES * gap).tolist(), strict=True):
         for axis, distance in enumerate(apart, start=1):
             terms = f"{a}, {axis}, 1., {b}, {axis}, -1."
             if distance == 0:

@@ -56,7 +56,8 @@ class _Run:
 
     def state(self, nodes: int) -> MilestoneState:
         """Return the milestone's state, on the first nodes."""
-        shape = (self.frd.points + self.frd.displacements)[:nodes] / MILLIMETRES
+        found = (self.frd.points + self.frd.displacements)[:nodes]
+        shape = np.divide(found, MILLIMETRES, dtype=np.float64)
         return MilestoneState(
             shape if not self.why_not else np.full_like(shape, np.nan),
             converged=not self.why_not,
@@ -113,7 +114,7 @@ def import_calculix(
 
 def _read_run(path: str | Path, specimen: Specimen, mesh: PlanarMesh) -> _Run:
     frd, convergence = read_frd(path), read_convergence(path)
-    milestone, element = _recognised(path, frd.points / MILLIMETRES, specimen, mesh)
+    milestone, element = _recognised(path, np.divide(frd.points, MILLIMETRES), specimen, mesh)
     why_not = _why_not_reached(milestone, frd, convergence)
     return _Run(frd, convergence, milestone, element, why_not)
 

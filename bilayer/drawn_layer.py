@@ -73,8 +73,10 @@ def draw_layer(
     outside = bonded.top if bonded.is_above else bonded.bottom
     z = np.array([0.0, outside / 2, outside])[level]
     points = np.column_stack([mesh.points[place], z]) * scale
-    faces = node_at[[INTERFACE, OUTSIDE] if bonded.is_above else [OUTSIDE, INTERFACE]]
-    wedges, hexahedra = (_extruded(cells, *faces, node_at[MIDDLE]) for cells in flat)
+    bottom, top = (INTERFACE, OUTSIDE) if bonded.is_above else (OUTSIDE, INTERFACE)
+    wedges, hexahedra = (
+        _extruded(cells, node_at[bottom], node_at[top], node_at[MIDDLE]) for cells in flat
+    )
     return DrawnLayer(points, node_at, wedges, hexahedra)
 
 

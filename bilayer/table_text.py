@@ -10,7 +10,7 @@ def stretches(result: xr.Dataset) -> NDArray[np.float64]:
     return np.column_stack([result["prestretch_x"].values, result["prestretch_y"].values])
 
 
-def stretch_text(pair: NDArray[np.float64]) -> str:
+def stretch_text(pair: NDArray[np.float64] | tuple[float, float]) -> str:
     """Return a prestretch as it is given on the command line: "1.06", or "1.06,1.05"."""
     return f"{pair[0]:g}" if pair[0] == pair[1] else f"{pair[0]:g},{pair[1]:g}"
 
