@@ -10,11 +10,26 @@ from bilayer.specimen import BONDED_THICKNESS_RULES
 from bilayer.validation import fraction, not_negative, one_of, positive, whole
 from dshell.through_thickness import PROFILES
 
+METHODS = ("static", "dynamic")
+"""How a shape is found: `dshell.static_release` or `dshell.dynamic_release`."""
+MOST_TIME_STEPS = 10_000_000
+
 
 @dataclass(frozen=True)
-class StaticSettings:
-    """How the static solver finds equilibria; shared by the models that it solves."""
+class ReleaseSettings:
+    """How equilibria are found; shared by the models `morley` and `hinge`."""
 
+    method: str = documented(
+        "static",
+        "'static': Newton's method on the energy; 'dynamic': damped motion until it is at rest",
+    )
+    total_time: float = documented(
+        20.0, "dynamic: time to each milestone; the prestretch grows in its first half [s]"
+    )
+    time_step: float = documented(
+        0.01, "dynamic: first time step of implicit Euler; the others find their length [s]"
+    )
+    damping_rate: float = documented(10.0, "dynamic: viscous force per mass and velocity [1/s]")
     tolerance: float = documented(
         1e-8, "norm of the residual force at an equilibrium over that of the flat state"
     )
@@ -30,6 +45,9 @@ class StaticSettings:
     )
 
     def __post_init__(self) -> None:
+        one_of("solver.method", self.method, METHODS)
+        _check_times(self.total_time, self.time_step)
+        not_negative("solver.damping_rate", self.damping_rate, "1/s")
         whole("solver.max_iterations", self.max_iterations, at_least=1)
         fraction("solver.tolerance", self.tolerance)
         for name in ("ramp", "longest_step", "smallest_step"):
@@ -37,7 +55,7 @@ class StaticSettings:
 
 
 @dataclass(frozen=True)
-class MorleySettings(StaticSettings):
+class MorleySettings(ReleaseSettings):
     """The accurate shell: Morley's bending on the laminate's own layers."""
 
     profile: str = documented(
@@ -51,7 +69,7 @@ class MorleySettings(StaticSettings):
 
 
 @dataclass(frozen=True)
-class HingeSettings(StaticSettings):
+class HingeSettings(ReleaseSettings):
     """Hinges and springs with the rest state of laminate theory."""
 
 
@@ -81,13 +99,7 @@ class PaperSettings:
 
     def __post_init__(self) -> None:
         one_of("solver.thickness", self.thickness, BONDED_THICKNESS_RULES)
-        positive("solver.total_time", self.total_time, "s")
-        positive("solver.time_step", self.time_step, "s")
-        if self.time_step > self.total_time:
-            raise InputError(
-                f"solver.time_step = {self.time_step} s: expected at most "
-                f"solver.total_time = {self.total_time} s"
-            )
+        _check_times(self.total_time, self.time_step)
         not_negative("solver.gravity", self.gravity, "m/s2")
         not_negative("solver.damping_rate", self.damping_rate, "1/s")
         fraction("solver.tolerance", self.tolerance)
@@ -97,3 +109,16 @@ class PaperSettings:
     def steps(self) -> int:
         """Number of equal time steps that fill the total time, none longer than `time_step`."""
         return math.ceil(self.total_time / self.time_step * (1 - 1e-12))
+
+
+def _check_times(total_time: float, time_step: float) -> None:
+    """Raise InputError unless a time step fits into the total time, not too many times."""
+    positive("solver.total_time", total_time, "s")
+    positive("solver.time_step", time_step, "s")
+    shortest = total_time / MOST_TIME_STEPS
+    if not shortest <= time_step <= total_time:
+        raise InputError(
+            f"solver.time_step = {time_step} s: expected at most "
+            f"solver.total_time = {total_time} s and at least {shortest:g} s, a "
+            f"{MOST_TIME_STEPS}th of it"
+        )

@@ -12,11 +12,13 @@ from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
+from dshell.dynamic_release import DynamicRelease
 from dshell.hinge_model import HingeModel
+from dshell.linear_solver import best_linear_solver
 from dshell.morley_model import MorleyModel
 from dshell.paper_model import release_paper
-from dshell.settings import HingeSettings, MorleySettings, PaperSettings
-from dshell.static_release import release_static
+from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
+from dshell.static_release import ShellModel, StaticRelease, visit_milestones
 
 PARALLEL = False
 """Under mpirun the first rank computes alone."""
@@ -36,6 +38,22 @@ Release = Callable[
 ]
 
 
+METHODS = {"static": StaticRelease, "dynamic": DynamicRelease}
+"""What takes a shell from milestone to milestone, by `settings.method`."""
+
+
+def _release(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    model: ShellModel,
+    settings: ReleaseSettings,
+    start: xr.Dataset | None,
+    progress: Progress | None,
+) -> tuple[list[MilestoneState], str]:
+    path = METHODS[settings.method](specimen, mesh, model, settings, best_linear_solver())
+    return visit_milestones(specimen, path, start, progress)
+
+
 def _release_morley(
     specimen: Specimen,
     mesh: PlanarMesh,
@@ -44,7 +62,7 @@ def _release_morley(
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     model = MorleyModel(specimen, mesh, settings)
-    return release_static(specimen, mesh, model, settings, start, progress)
+    return _release(specimen, mesh, model, settings, start, progress)
 
 
 def _release_hinge(
@@ -55,7 +73,7 @@ def _release_hinge(
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     model = HingeModel(specimen, mesh)
-    return release_static(specimen, mesh, model, settings, start, progress)
+    return _release(specimen, mesh, model, settings, start, progress)
 
 
 _RELEASES: dict[str, Release] = {

@@ -25,11 +25,11 @@ from bilayer.specimen import Specimen
 from bilayer.surface import flat_surface
 from dshell.assembly import Assembly, Energy
 from dshell.interface import bonded_interface
-from dshell.linear_solver import LinearSolver, best_linear_solver
+from dshell.linear_solver import LinearSolver
 from dshell.masses import lumped_masses
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
 from dshell.rigid_motion import held_coordinates, held_nodes
-from dshell.settings import StaticSettings
+from dshell.settings import ReleaseSettings
 
 Array = NDArray[np.float64]
 Stretch = tuple[float, float]
@@ -87,7 +87,7 @@ class StaticRelease:
         What is released, on which planar mesh.
     model : ShellModel
         Its energies.
-    settings : StaticSettings
+    settings : ReleaseSettings
         Tolerances and limits.
     linear_solver : LinearSolver
         For Newton's steps.
@@ -98,7 +98,7 @@ class StaticRelease:
         specimen: Specimen,
         mesh: PlanarMesh,
         model: ShellModel,
-        settings: StaticSettings,
+        settings: ReleaseSettings,
         linear_solver: LinearSolver,
     ) -> None:
         self._specimen, self._mesh, self._model, self._settings = specimen, mesh, model, settings
@@ -171,7 +171,7 @@ class StaticRelease:
         here = start
         while share < 1:
             end = min(1.0, share + step)
-            stretch = _between(start.stretch, target, end)
+            stretch = between(start.stretch, target, end)
             found = self._equilibrium(here, stretch)
             if isinstance(found, Equilibrium):
                 share, here = end, found
@@ -225,7 +225,7 @@ class StaticRelease:
         way = max(abs(b - a) for a, b in zip(start, end, strict=True))
         count = math.ceil(way / self._settings.ramp)
         shares = np.arange(1, count) / count
-        return [*(self._body(_between(start, end, float(share))) for share in shares), body]
+        return [*(self._body(between(start, end, float(share))) for share in shares), body]
 
     def _counted(self, bodies: Sequence[Body], state: Array, limits: NewtonLimits) -> Outcome:
         outcome = self._solver.settle(bodies, state, limits)
@@ -243,11 +243,9 @@ class StaticRelease:
         return max(forces, self._round_off / self._settings.tolerance)
 
 
-def release_static(
+def visit_milestones(
     specimen: Specimen,
-    mesh: PlanarMesh,
-    model: ShellModel,
-    settings: StaticSettings,
+    path: StaticRelease,
     start: xr.Dataset | None,
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
@@ -255,8 +253,10 @@ def release_static(
 
     Parameters
     ----------
-    specimen, mesh, model, settings
-        As for `StaticRelease`.
+    specimen : Specimen
+        Whose milestones.
+    path : StaticRelease
+        How one goes from one to the next; or its like in time.
     start : Dataset or None
         A result on the same mesh, whose shape nearest to the first milestone starts it.
     progress : callable or None
@@ -274,7 +274,6 @@ def release_static(
     InputError
         The start is on another mesh, or has no milestone.
     """
-    path = StaticRelease(specimen, mesh, model, settings, best_linear_solver())
     milestones = specimen.prestretch.milestones
     here = path.flat() if start is None else path.started(start, milestones[0])
     states: list[MilestoneState] = []
@@ -298,7 +297,7 @@ def _report(progress: Progress | None, share: float, here: Equilibrium) -> None:
         progress(share, f"prestretch {max(here.stretch):g}")
 
 
-def _between(start: Stretch, end: Stretch, share: float) -> Stretch:
+def between(start: Stretch, end: Stretch, share: float) -> Stretch:
     """Return the stretch at a share of the way; the end itself at 1."""
     if share == 1:
         return end

@@ -7,7 +7,7 @@ from dshell import HingeSettings, static_release
 from dshell.assembly import Assembly
 from dshell.edge_springs import EdgeSprings
 from dshell.hinges import Hinges
-from dshell.linear_solver import SuperLUSolver
+from dshell.linear_solver import SuperLUSolver, best_linear_solver
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits
 from dshell.topology import Topology
 
@@ -78,9 +78,10 @@ def test_an_unstable_equilibrium_is_left(
 ):
     monkeypatch.setattr(static_release, "ESCAPES", escapes)
     specimen = coarse_specimen.with_milestones([1.05])
-    states, reason = static_release.release_static(
-        specimen, coarse_mesh, GrownMiddle(coarse_mesh), HingeSettings(), None, None
+    path = static_release.StaticRelease(
+        specimen, coarse_mesh, GrownMiddle(coarse_mesh), HingeSettings(), best_linear_solver()
     )
+    states, reason = static_release.visit_milestones(specimen, path, None, None)
     assert reason == ""
     assert (states[0].unstable_modes == 0) == is_stable
     assert (np.ptp(states[0].position[:, 2]) > 1e-3) == is_stable

@@ -1,0 +1,51 @@
+"""A release in time ends where the static solver's does, and says so where it does not."""
+
+import numpy as np
+import pytest
+
+from bilayer import InputError, solve
+from bilayer.alignment import rms_distance
+from dshell import HingeSettings, MorleySettings
+
+KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])
+
+
+@KINDS
+def test_it_comes_to_rest_in_the_static_equilibrium(kind, coarse_specimen, coarse_mesh):
+    specimen = coarse_specimen.with_milestones([1.03, 1.06])
+    still, moved = (
+        solve(specimen, "dshell", kind(method=method, tolerance=1e-10), mesh=coarse_mesh)
+        for method in ("static", "dynamic")
+    )
+    assert moved.converged.values.tolist() == [1, 1]
+    assert moved.unstable_modes.values.tolist() == [0, 0]
+    weights = np.ones(len(coarse_mesh.points))
+    for one, other in zip(still.position.values, moved.position.values, strict=True):
+        assert rms_distance(one, other, weights) < 1e-6 * specimen.outer_radius
+
+
+@KINDS
+def test_what_still_moves_at_the_end_is_no_equilibrium(kind, coarse_specimen, coarse_mesh):
+    specimen = coarse_specimen.with_milestones([1.03, 1.06])
+    settings = kind(method="dynamic", total_time=0.02, time_step=0.01)
+    result = solve(specimen, "dshell", settings, mesh=coarse_mesh)
+    assert result.converged.values.tolist() == [0, 0]
+    assert "the body still moves after solver.total_time = 0.02 s" in result.attrs["stop_reason"]
+    assert np.isfinite(result.last_position.values[0]).all()
+
+
+@KINDS
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"method": "dynamics"}, "solver.method = 'dynamics': expected one of 'static', 'dynamic'"),
+        ({"time_step": 0.0}, "solver.time_step = 0.0 s: expected a number greater than 0"),
+        ({"time_step": -1.0}, "solver.time_step = -1.0 s: expected a number greater than 0"),
+        ({"time_step": 30.0}, "solver.time_step = 30.0 s: expected at most solver.total_time"),
+        ({"time_step": 1e-300}, "solver.time_step = 1e-300 s: expected at most"),
+        ({"damping_rate": -1.0}, "solver.damping_rate = -1.0 1/s: expected a number of at least 0"),
+    ],
+)
+def test_bad_times_are_named(kind, values, message):
+    with pytest.raises(InputError, match=message):
+        kind(**values)
