@@ -10,6 +10,7 @@ from bilayer import InputError, Layer, MooneyRivlin, solve
 from bilayer.alignment import rms_distance
 from bilayer.surface import flat_surface
 from dshell import HingeSettings, MorleySettings, PaperSettings
+from dshell.morley_model import MorleyModel, specimen_layers
 
 MODELS = [MorleySettings(tolerance=1e-11), HingeSettings(tolerance=1e-11)]
 names = pytest.mark.parametrize("settings", MODELS, ids=["morley", "hinge"])
@@ -67,6 +68,16 @@ def test_both_layers_stretched_alike_stay_flat_and_shrink(released, coarse_mesh,
     position = released(settings, ("substrate", "kirigami"), side).position.values[0]
     shrunk = np.pad(coarse_mesh.points / STRETCH, ((0, 0), (0, 1)))
     assert rms_distance(position, shrunk, flat_surface(coarse_mesh).node_areas) < 1e-9 * 0.04
+
+
+@pytest.mark.parametrize("side", ["above", "below"])
+@pytest.mark.parametrize("layers", [("substrate",), ("kirigami",)], ids=str)
+def test_the_layers_meet_at_the_bond(coarse_specimen, coarse_mesh, side, layers):
+    prestretch = replace(coarse_specimen.prestretch, layers=layers)
+    specimen = replace(coarse_specimen, kirigami_side=side, prestretch=prestretch)
+    lower, upper = specimen_layers(specimen, coarse_mesh, STRETCH)
+    bond = MorleyModel(specimen, coarse_mesh, MorleySettings()).bond_height(STRETCH)
+    assert lower.top == upper.bottom == pytest.approx(bond)
 
 
 @pytest.mark.parametrize("side", ["above", "below"])
