@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import singledispatch
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -220,14 +221,15 @@ def _ascii(text: str) -> str:
 
 def _mesh_of(part: _Part) -> Iterator[str]:
     yield f"*NODE, NSET=N{part.name}"
-    places = (MILLIMETRES * part.drawn.points).tolist()
+    places: Any = (MILLIMETRES * part.drawn.points).tolist()
     for number, place in enumerate(places, start=part.first_node):
         yield f"{number}, " + ", ".join(f"{value:.12g}" for value in place)
     first = part.first_element
     for kind, elements in (("C3D20R", part.drawn.hexahedra), ("C3D15", part.drawn.wedges)):
         if len(elements):
             yield f"*ELEMENT, TYPE={kind}, ELSET={part.name}"
-        for number, nodes in enumerate((elements + part.first_node).tolist(), start=first):
+        rows: Any = (elements + part.first_node).tolist()
+        for number, nodes in enumerate(rows, start=first):
             words = [str(number), *map(str, nodes)]
             yield ", ".join(words[:11]) + ","
             yield ", ".join(words[11:])
@@ -304,10 +306,10 @@ def _ties(substrate: _Part, kirigami: _Part, control: int) -> Iterator[str]:
     first, second = substrate.nodes(INTERFACE), kirigami.nodes(INTERFACE)
     tied = second > 0
     first, second = first[tied], second[tied]
-    gap = kirigami.place(second) - substrate.place(first)
+    gaps: Any = (MILLIMETRES * (kirigami.place(second) - substrate.place(first))).tolist()
     yield "*EQUATION"
-    for a, b, apart in zip(first, second, (MILLIMETRES * gap).tolist(), strict=True):
-        for axis, distance in enumerate(apart, start=1):
+    for a, b, gap in zip(first, second, gaps, strict=True):
+        for axis, distance in enumerate(gap, start=1):
             terms = f"{a}, {axis}, 1., {b}, {axis}, -1."
             if distance == 0:
                 yield from ("2", terms)
