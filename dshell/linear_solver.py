@@ -20,6 +20,17 @@ Array = NDArray[np.float64]
 
 
 _MUMPS_ERROR, _MUMPS_NEGATIVE_PIVOTS = 1, 12  # places in INFOG
+_MUMPS_ORDERING_TAKEN = 7
+MUMPS_ORDERINGS = {
+    "automatic": 7,
+    "amd": 0,
+    "amf": 2,
+    "scotch": 3,
+    "pord": 4,
+    "metis": 5,
+    "qamd": 6,
+}
+"""MUMPS's numbers, ICNTL(7), of its orderings; it takes another where one was not built in."""
 _PETSC_BAD_CHOLESKY_PIVOT = 81  # PETSC_ERR_MAT_CH_ZRPVT
 
 
@@ -87,12 +98,23 @@ class _SuperLUFactor:
 
 
 class MumpsSolver:
-    """MUMPS through PETSc: L D L' of any matrix."""
+    """MUMPS through PETSc: L D L' of any matrix.
 
-    name = "mumps"
+    Parameters
+    ----------
+    ordering : str
+        One of `MUMPS_ORDERINGS`.
+    """
 
-    def __init__(self) -> None:
-        self._petsc = _PetscSystem("mumps", {})
+    def __init__(self, ordering: str = "automatic") -> None:
+        self.name = f"mumps {ordering}"
+        self._petsc = _PetscSystem("mumps", {"icntl_7": MUMPS_ORDERINGS[ordering]})
+
+    @property
+    def ordering_taken(self) -> str:
+        """The ordering that MUMPS took for the last matrix."""
+        number = self._petsc.package_data.getMumpsInfog(_MUMPS_ORDERING_TAKEN)
+        return {code: name for name, code in MUMPS_ORDERINGS.items()}.get(number, str(number))
 
     def cholesky(self, matrix: csc_matrix) -> Factor:
         """See `LinearSolver`."""

@@ -1,0 +1,1 @@
+"""What the solvers cost: a module per benchmark, and what they share."""

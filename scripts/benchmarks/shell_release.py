@@ -1,0 +1,86 @@
+"""One release of a specimen by the default shell, from flat in one step: what it costs.
+
+Measured in a process of its own, whose peak memory is then the release's.
+"""
+
+import math
+import multiprocessing
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from benchmarks.sections import cpu_by_section
+from bilayer import CutPattern, MeshSize, Specimen, generate_mesh, paper_specimen
+from dshell import linear_solver, morley, solve, solver
+from dshell.assembly import Assembly
+from dshell.newton import Body
+
+SECTIONS = {
+    "set-up": [(Assembly, "__init__"), (morley.MorleyFaces, "__init__")],
+    "assembly": [
+        (Assembly, "gradient"),
+        (Assembly, "hessian"),
+        (Assembly, "convex_hessian"),
+        (Body, "potential"),
+    ],
+    "factorisation": [
+        (kind, name)
+        for kind in (linear_solver.CholmodSolver, linear_solver.SuperLUSolver)
+        for name in ("cholesky", "factor")
+    ],
+    "solution": [(linear_solver._PetscSystem, "solve")],
+    "measures": [(solver, "build_result")],
+}
+
+
+@dataclass(frozen=True)
+class Release:
+    """What is released: the paper's specimen with some cutouts, mesh and prestretch."""
+
+    triangles: int
+    prestretch: float = 1.15
+    strips: int = 5
+
+    def specimen(self) -> Specimen:
+        """Return the specimen, its mesh about as fine as asked for."""
+        whole = paper_specimen().with_milestones([self.prestretch])
+        size = whole.outer_radius * math.sqrt(1.2 * 4 / math.sqrt(3) * math.pi / self.triangles)
+        cut = whole.cut
+        assert isinstance(cut, CutPattern)
+        return replace(whole, mesh=MeshSize(size), cut=replace(cut, strips=self.strips))
+
+
+def cost(release: Release) -> dict[str, Any]:
+    """Return counts, CPU seconds by section, and the process's peak memory in GB."""
+    specimen = release.specimen()
+    begin = time.process_time()
+    mesh = generate_mesh(specimen)
+    meshing = time.process_time() - begin
+    begin = time.process_time()
+    with cpu_by_section(SECTIONS) as seconds:
+        result = solve(specimen, mesh=mesh)
+    total = time.process_time() - begin
+    edges = len(mesh.points) + len(mesh.triangles) - 1  # Euler: the disc has no hole
+    return {
+        **asdict(release),
+        "triangles": len(mesh.triangles),
+        "dofs": 3 * len(mesh.points) + edges,
+        "converged": bool(result["converged"][0]),
+        "iterations": int(result["iterations"][0]),
+        "load steps": int(result["load_steps"][0]),
+        "unstable modes": int(result["unstable_modes"][0]),
+        "sphere radius (mm)": 1e3 * float(result["sphere_radius"][0]),
+        "meshing": meshing,
+        **seconds,
+        "rest": total - sum(seconds.values()),
+        "total": total,
+        "GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9,
+    }
+
+
+def in_a_process_of_its_own(function: Callable[..., Any], *args: Any) -> Any:
+    """Return what a function returns that a new process calls."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(function, args)
