@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hexagon import RADIUS, hexagon_mesh, hexagon_specimen
 
-from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.abaqus_deck import DeckSettings, abaqus_deck, deck_points, write_decks
-from bilayer.planar_mesh import KIRIGAMI
+from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean, PlanarMesh
+from bilayer.abaqus_deck import DeckSettings, abaqus_deck, deck_points, held_nodes, write_decks
+from bilayer.planar_mesh import BARE, KIRIGAMI
 from bilayer.settings import settings_from
 
 STRETCH = (1.2, 1.1)
@@ -84,6 +84,17 @@ def test_every_constraint_is_on_a_node_that_no_equation_eliminates():
     assert len(held) == 6 + 1
     assert len(loaded) == len(hexagon_mesh().points)
     assert not eliminated & {*held, *loaded}
+
+
+def test_held_nodes_carry_kirigami_where_the_nearest_ones_are_bare():
+    mesh = hexagon_mesh()
+    usual = held_nodes(mesh)
+    bare = np.isin(mesh.triangles, usual[1:]).any(axis=1)
+    cut = PlanarMesh(mesh.points, mesh.triangles, np.where(bare, BARE, KIRIGAMI))
+    held = held_nodes(cut)
+    assert held[0] == usual[0]
+    assert len({*held}) == 3
+    assert np.isin(held, cut.triangles[~bare]).all()
 
 
 def test_the_saddle_load_vanishes_at_the_end_and_is_in_balance():
