@@ -61,12 +61,33 @@ def buckling_modes(
     toward = newton.vector()
     toward.array[:] = side[: toward.local_size]
     solver = _eigenvalue_solver(newton, mass, toward, count + BESIDE)
-    solver.solve()
+    _solve(solver, newton)
     found = [_mode(solver, index, mass, toward) for index in range(solver.getConverged())]
     solver.destroy()
-    newton.snes.getKSP().setErrorIfNotConverged(False)  # which SLEPc switched on
     unstable = [mode for mode in found if mode.stiffness < 0]
     return sorted(unstable, key=lambda mode: mode.stiffness)
+
+
+def least_stiffness(newton: Newton, mass: PETSc.Mat) -> float:
+    """Compute the k nearest to 0 of the solver's present state, Pa/m2.
+
+    Parameters
+    ----------
+    newton : Newton
+        Its state is an equilibrium, whose tangent it has just factorised.
+    mass : PETSc Mat
+        M, see `buckling_modes`.
+    """
+    solver = _eigenvalue_solver(newton, mass, newton.vector(), 1)
+    _solve(solver, newton)
+    stiffness = float(solver.getEigenvalue(0).real)
+    solver.destroy()
+    return stiffness
+
+
+def _solve(solver: SLEPc.EPS, newton: Newton) -> None:
+    solver.solve()
+    newton.snes.getKSP().setErrorIfNotConverged(False)  # which SLEPc switched on
 
 
 def _eigenvalue_solver(newton: Newton, mass: PETSc.Mat, begin: PETSc.Vec, wanted: int) -> SLEPc.EPS:

@@ -91,15 +91,14 @@ def unguided(solid, newton):
 
 
 def followed(
-    solid, newton, load: Callable[[float], None], milestones: Sequence[float], first_step: float
-) -> Iterator[Equilibrium]:
+    solid, newton, load: Callable[[float], None], milestones: Sequence[float], first_step: float,
+    tolerance: float = 1e-10,
+) -> Iterator[Equilibrium]:  # fmt: skip
     """The equilibria at the milestones of a load path, each while the solid is in its state."""
     control = StepControl(first_step, first_step / 100, 20 * first_step, 6)
-    search = search_of(solid, newton)
-    tolerances = Tolerances(1e-10, 1e-4, 0.0)
-    for equilibrium in follow(
-        newton, search, load, milestones, control, tolerances, unguided(solid, newton)
-    ):
+    search, guide = search_of(solid, newton), unguided(solid, newton)
+    tolerances = Tolerances(tolerance, 1e-4, 0.0)
+    for equilibrium in follow(newton, search, load, milestones, control, tolerances, guide):
         if equilibrium.milestone is not None:
             yield equilibrium
 

@@ -26,6 +26,7 @@ from verification.solid_problem import (
 Array = NDArray[np.float64]
 SUBSTRATE, KIRIGAMI = MooneyRivlin(4839.1, 14536.0), MooneyRivlin(30749.0, 30749.0)
 THICKNESS = 1e-3  # of each layer of the bilayers
+ROUND_OFF = 1e-7  # of the residual of a light plate, over its weight
 
 
 def flexure(stretch: float) -> tuple[float, float]:
@@ -150,7 +151,7 @@ class Cantilever:
             push(self.solid, -parameter * unit)
 
         reached = []
-        for _ in followed(self.solid, newton, load, weights, first_step=0.25):
+        for _ in followed(self.solid, newton, load, weights, 0.25, ROUND_OFF):
             reached.append(-self.solid.vertex_displacements()[self._tip, 2].mean() / self.length)
             yield reached[-1]
         newton.destroy()

@@ -1,0 +1,165 @@
+"""The ladder of the finite-element model: every case with its reference and tolerance."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from verification import solid_derivatives, solid_discs, solid_states, solid_strips
+from verification.rung import Check, Rung
+
+DISC_SIZE = 0.008  # m, of the discs' meshes: quadratic displacements need no finer one
+CRITICAL = 1.15075  # S at which the incompressible disc loses its symmetry
+
+
+def homogeneous() -> Iterator[Check]:
+    tape = solid_states.block(solid_states.TAPE)
+    for stretch, nominal, cauchy in ((1.06, 6307.92, 14_037.14), (1.24, 19_530.72, 60_612.61)):
+        found = solid_states.uniaxial_stress(tape, stretch)
+        yield Check(f"uniaxial, {stretch:g}: nominal stress (Pa)", found, nominal, 1e-6)
+        along_x, _ = solid_states.equibiaxial_stress(tape, stretch)
+        yield Check(f"equibiaxial, {stretch:g}: Cauchy stress (Pa)", along_x, cauchy, 1e-6)
+
+
+def patch() -> Iterator[Check]:
+    found = solid_states.compressible_patch()
+    yield Check("J", found.volume_ratio, 1.068152, 1e-8)
+    yield Check("W (J/m3)", found.energy_density, 4912.431674, 1e-8)
+    for (i, j), value in {(0, 0): 132341.4487, (0, 1): 4765.5975, (2, 2): 137236.8145}.items():
+        yield Check(f"P{i + 1}{j + 1} (Pa)", found.stress[i, j], value, 1e-8)
+    yield Check("rms of grad(x) less its mean", found.unevenness, 0.0, 1e-8, 1.0)
+
+
+def locking() -> Iterator[Check]:
+    cells = (5, 10, 20)
+    for poisson_ratio in (0.48, 0.49, 0.499, 0.5):
+        case = f"nu = {poisson_ratio:g}"
+        found = [solid_strips.Cantilever(poisson_ratio, cells=n).energy_ratio() for n in cells]
+        for n, ratio in zip(cells[:-1], found[:-1], strict=True):
+            yield Check(f"{case}, elements of {80 / n:g} mm", ratio, 1.0)
+        yield Check(f"{case}, elements of {80 / cells[-1]:g} mm", found[-1], 1.0, 0.02)
+
+
+def timoshenko_strip() -> Iterator[Check]:
+    for stretch, curvature, tolerance in ((1.01, 6.793, 0.01), (1.03, 19.985, None)):
+        found = solid_strips.timoshenko_strip(stretch)
+        yield Check(f"curvature at prestretch {stretch:g} (1/m)", found, curvature, tolerance)
+
+
+def flexure() -> Iterator[Check]:
+    exact_angle, exact_radius = solid_strips.flexure(1.06)
+    yield Check("exact solution: d theta / dX (1/m)", exact_angle, 39.23298, 1e-5)
+    for cells in (20, 40):
+        angle, stretch = solid_strips.flexed_strip(1.06, cells)
+        case = f"{40 / cells:g} mm"
+        yield Check(f"{case}: d theta / dX (1/m)", angle, exact_angle, 0.005)
+        yield Check(f"{case}: interface stretch", stretch, exact_angle * exact_radius, 0.005)
+
+
+def uniform_cap() -> Iterator[Check]:
+    expected = {0.2: (0.19407, 0.19092), 0.5: (0.43398, 0.40071), 1.0: (0.71125, 0.57980)}
+    caps = solid_discs.scaled_caps(list(expected), DISC_SIZE)
+    for (mismatch, (sag, centre)), cap in zip(expected.items(), caps, strict=True):
+        yield Check(f"S = {mismatch:g}: curvature by the sag", cap.sag, sag, 0.01)
+        yield Check(f"S = {mismatch:g}: curvature at the centre", cap.centre, centre, 0.01)
+
+
+def loss_of_symmetry() -> Iterator[Check]:
+    found = solid_discs.loss_of_symmetry(CRITICAL * np.array([0.94, 0.96, 0.98]), DISC_SIZE)
+    yield Check("S_c, nu = 1/2", found, CRITICAL, 0.02)
+    result = solid_discs.two_fold(1.02 * CRITICAL, DISC_SIZE)
+    ratios = [max(x, y) / min(x, y) for x, y, _ in result["span"].values]
+    yield Check("ratio of the spans at 0.99 S_c", ratios[0], 1.0, 2e-3)
+    yield Check("the same at 1.02 S_c: no longer round", ratios[1], 1.0)
+    modes = result["branch_unstable_modes"].values[1]
+    yield Check("unstable modes of the cap at 1.02 S_c", modes[0], 2, 0.0)
+    yield Check("of the shape taken there", float(result["unstable_modes"][1]), 0, 0.0, 1.0)
+    left, *found_energies = result["branch_energy"].values[1]
+    yield Check("its energy over the cap's", min(found_energies) / left, 1.0)
+
+
+def rolled_disc() -> Iterator[Check]:
+    found = solid_discs.rolled_curvature(5.0, DISC_SIZE)
+    yield Check("larger curvature over k0 at S = 5", found, 1.5, 0.10)
+
+
+def heavy_strip() -> Iterator[Check]:
+    expected = {1.0: 0.123471, 5.0: 0.495905, 10.0: 0.700200}
+    strip = solid_strips.Cantilever(0.5, thickness=0.5e-3)
+    for (weight, drop), found in zip(expected.items(), strip.weighed(list(expected)), strict=True):
+        yield Check(f"q L^3 / D = {weight:g}: drop / L", found, drop, 0.01)
+
+
+def energies() -> Iterator[Check]:
+    for name, pair in solid_derivatives.PAIRS.items():
+        solid = solid_derivatives.strained_solid(pair)
+        residual, tangent = solid_derivatives.derivative_errors(solid)
+        yield Check(f"{name}: residual", residual, 0.0, 1e-7, 1.0)
+        yield Check(f"{name}: tangent", tangent, 0.0, 1e-7, 1.0)
+        moved = solid_derivatives.rigid_motion_error(solid_derivatives.strained_solid(pair))
+        yield Check(f"{name}: rigid motion", moved, 0.0, 1e-9, 1.0)
+    apart = solid_derivatives.ranks_difference()
+    yield Check("paper's specimen, 12 mm mesh, 1.03: two ranks and one (m)", apart, 0.0, 1e-9, 1.0)
+
+
+SOLID = "fenics solid"
+
+FENICS_RUNGS = (
+    Rung(
+        1, SOLID, "Homogeneous Mooney-Rivlin",
+        "An incompressible block of the substrate's tape; uniaxial nominal stress "
+        "2 (l - l^-2)(C10 + C01 / l), equibiaxial Cauchy stress 2 (l^2 - l^-4)(C10 + C01 l^2).",
+        homogeneous,
+    ),
+    Rung(
+        2, SOLID, "Compressible patch test",
+        "A distorted mesh under a uniform deformation of its boundary; closed form.",
+        patch,
+    ),
+    Rung(
+        3, SOLID, "Thickness locking",
+        "A homogeneous cantilever of 80 x 1 mm, one element thick, its width held, under its "
+        "weight: strain energy over that of the plate in plane strain, q^2 L^5 / 40 D.",
+        locking,
+    ),
+    Rung(
+        4, SOLID, "Timoshenko strip",
+        "80 x 6 mm, prestretched along its length, curvature in the middle third; Timoshenko "
+        "(1925), for small mismatch.",
+        timoshenko_strip,
+    ),
+    Rung(
+        5, SOLID, "Bilayer bending at finite strain",
+        "A strip of 40 mm prestretched along its length by 1.06, its width held; Rivlin's flexure.",
+        flexure,
+    ),
+    Rung(
+        6, SOLID, "Cap of a uniform disc",
+        "Scaled curvatures k R^2 / 4h at the mismatch S = k0 R^2 / 4h; von Karman's equations.",
+        uniform_cap,
+    ),
+    Rung(
+        7, SOLID, "Uniform disc loses its symmetry",
+        "Where the least stiffness of the cap, at 0.94 to 0.98 S_c, extrapolates to 0; von "
+        "Karman's equations. Beyond, without an imperfection, the search along the unstable mode "
+        "finds the two-fold shape.",
+        loss_of_symmetry,
+    ),
+    Rung(
+        8, SOLID, "Uniform disc far beyond: a cylinder",
+        "Its curvature at the centre tends to (1 + nu) k0. The mismatch along y is 2 % less, so "
+        "that the disc knows about which axis to roll; the shell's shape is the first guess.",
+        rolled_disc,
+    ),
+    Rung(
+        11, SOLID, "Heavy cantilever",
+        "80 x 0.5 mm, its width held, incompressible, D = E h^3 / 12 (1 - nu^2); the elastica "
+        "under its weight q per area.",
+        heavy_strip,
+    ),
+    Rung(
+        14, SOLID, "Derivatives and rigid motion of every energy, two ranks",
+        "Relative differences from central differences of fourth order, in a state of finite "
+        "strain; relative changes by a rigid motion; largest distance of two shapes.",
+        energies,
+    ),
+)  # fmt: skip
