@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from verification.calculix_rung import CALCULIX_RUNGS
+from verification.fenics_rungs import FENICS_RUNGS
 from verification.rung import Check, Rung
 from verification.shell_rungs import SHELL_RUNGS
 from verification.table import missed, page, rung_text, summary
@@ -17,13 +18,11 @@ from verification.table import missed, page, rung_text, summary
 from bilayer.errors import InputError
 from bilayer.output_file import whole_file
 
-RUNGS: tuple[Rung, ...] = (*SHELL_RUNGS, *CALCULIX_RUNGS)
+RUNGS: tuple[Rung, ...] = tuple(
+    sorted((*SHELL_RUNGS, *FENICS_RUNGS, *CALCULIX_RUNGS), key=lambda rung: rung.number)
+)
 PAGE = Path(__file__).parents[1] / "docs" / "verification.md"
 ABSENT = {
-    "1, 2, 3, 5": "rungs of the finite-element model. Rungs 1, 2 and 5 are tests of "
-    "`scripts/test` (tests/fenics_model); 3 is not there.",
-    "4, 6, 7, 8, 11, 14 for the finite-element model": "not in this table; its derivatives and two "
-    "ranks against one are tests of `scripts/test`.",
     "5 for the shells": "the exact finite-strain bending is beyond the order of the shell.",
     "7 for nu = 1/3 and 0.3": "only the incompressible disc is here.",
     "10 with a moment at the tip": "the shell's loads are dead loads; a moment that follows the "

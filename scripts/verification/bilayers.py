@@ -71,7 +71,7 @@ def scaled_cap(mismatch: float, size: float = 0.004) -> Cap:
     normal = _rim_normal(nodes, mesh)
     sag = np.abs((nodes @ normal)[mesh.rim_nodes]).mean()
     curvature = _centre_curvatures(faces, state, mesh).mean()
-    return Cap(2 * sag / RADIUS**2 * scale(), curvature * scale())
+    return Cap(2 * sag / RADIUS**2 * _scale(), curvature * _scale())
 
 
 def loss_of_symmetry(mismatches: Sequence[float]) -> float:
@@ -103,21 +103,21 @@ def rolled_curvature(mismatch: float, size: float = 0.004) -> float:
     """The larger principal curvature at the centre of the uncut disc at S, over k0."""
     mesh = generate_mesh(ladder_disc(size=size))
     faces, state = _released(mesh, mismatch)
-    return float(_centre_curvatures(faces, state, mesh).max() * scale() / mismatch)
+    return float(_centre_curvatures(faces, state, mesh).max() * _scale() / mismatch)
 
 
 def stretch_of(mismatch: float) -> float:
     """The prestretch at which the ladder's uncut disc has S = mismatch, by bisection."""
     low, high = 1.0, 1.2
-    unit = scale()
+    scale = _scale()
     for _ in range(60):
         middle = (low + high) / 2
         curvature = specimen_sections(ladder_disc(), (middle, middle))[1].curvature[0]
-        low, high = (middle, high) if unit * curvature < mismatch else (low, middle)
+        low, high = (middle, high) if scale * curvature < mismatch else (low, middle)
     return low
 
 
-def scale() -> float:
+def _scale() -> float:
     """R^2 / 4h, m."""
     section = specimen_sections(ladder_disc(), (1.0, 1.0))[1]
     return float(RADIUS**2 / 4 / np.sqrt(12 * 0.75 * section.bending / section.stretching))

@@ -59,6 +59,26 @@ class BuckledPlate:
     def energy(self):
         return self.solid.potential_energy()
 
+    def energy_at(self, change):
+        """Potential energy of the present displacements and a change of them, in balance inside.
+
+        The pressures follow: the energy is a maximum in them.
+        """
+        state = self.solid.state
+        kept = state.x.array.copy()
+        state.x.array[:] += change
+        here = state.copy()
+        held = [
+            fem.dirichletbc(here, np.unique(self.solid.component(axis).dofmap.list))
+            for axis in range(3)
+        ]
+        newton = newton_of(self.solid, held)
+        newton.solve(self.tolerance)
+        newton.destroy()
+        energy = self.energy()
+        state.x.array[:] = kept
+        return energy
+
     def rise(self):
         """Mean height of the vertices, m."""
         return self.solid.vertex_displacements()[:, 2].mean()

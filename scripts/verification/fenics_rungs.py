@@ -48,11 +48,14 @@ def timoshenko_strip() -> Iterator[Check]:
 def flexure() -> Iterator[Check]:
     exact_angle, exact_radius = solid_strips.flexure(1.06)
     yield Check("exact solution: d theta / dX (1/m)", exact_angle, 39.23298, 1e-5)
+    exact_stretch, errors = exact_angle * exact_radius, []
     for cells in (20, 40):
         angle, stretch = solid_strips.flexed_strip(1.06, cells)
-        case = f"{40 / cells:g} mm"
+        case = f"elements of {40 / cells:g} mm"
         yield Check(f"{case}: d theta / dX (1/m)", angle, exact_angle, 0.005)
-        yield Check(f"{case}: interface stretch", stretch, exact_angle * exact_radius, 0.005)
+        yield Check(f"{case}: interface stretch", stretch, exact_stretch, 0.005)
+        errors.append(abs(stretch - exact_stretch))
+    yield Check("interface stretch, rate", np.log2(errors[0] / errors[1]), 2.0, 0.1)
 
 
 def uniform_cap() -> Iterator[Check]:

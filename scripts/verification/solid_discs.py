@@ -10,6 +10,7 @@ from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh_generation import generate_mesh
 from bilayer.result import result_mesh
+from dshell.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.bilayer_solid import bilayer_solid, held_points
 from fenics_model.buckling_modes import least_stiffness
@@ -31,6 +32,13 @@ def disc(mismatches: Sequence[float], size: float, less_along_y: float = 0.0) ->
     return bilayers.ladder_disc(size=size).with_milestones(pairs)
 
 
+def laminate_curvature(mismatch: float) -> float:
+    """k0 of the uncut disc at S, by laminate theory, 1/m."""
+    stretch = bilayers.stretch_of(mismatch)
+    section = specimen_sections(bilayers.ladder_disc(), (stretch, stretch))[1]
+    return float(section.curvature[0])
+
+
 def stable(result: xr.Dataset) -> xr.Dataset:
     """Return a result each of whose shapes is reached and stable."""
     if not result["converged"].values.all() or result["unstable_modes"].values.any():
@@ -41,9 +49,9 @@ def stable(result: xr.Dataset) -> xr.Dataset:
 def scaled_caps(mismatches: Sequence[float], size: float) -> list[Cap]:
     """The caps at mismatches S below the loss of their symmetry."""
     result = stable(solve(disc(mismatches, size), "fenics", SolidSettings(imperfection=0.0)))
-    scale = bilayers.scale()
     caps = []
-    for shape in result["position"].values:
+    for mismatch, shape in zip(mismatches, result["position"].values, strict=True):
+        scale = mismatch / laminate_curvature(mismatch)
         radius, height = _profile(result, shape)
         terms = np.polynomial.polynomial.polyfit((radius / RADIUS) ** 2, height, 4)
         sag = terms[1:].sum()
@@ -102,7 +110,7 @@ def rolled_curvature(mismatch: float, size: float) -> float:
     shell = solve(specimen, "dshell", mesh=mesh)
     result = stable(solve(specimen, "fenics", mesh=mesh, start=shell))
     curvatures = centre_curvatures(mesh, result["position"].values[-1])
-    return float(curvatures.max() * bilayers.scale() / mismatch)
+    return float(curvatures.max() / laminate_curvature(mismatch))
 
 
 def centre_curvatures(mesh: PlanarMesh, shape) -> np.ndarray:

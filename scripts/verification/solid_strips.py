@@ -4,7 +4,6 @@ A strip runs along x. Its width is one element where it is held (plane strain).
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,9 +163,3 @@ class Cantilever:
         load_per_length = weight * self.stiffness / self.length**3
         exact = load_per_length**2 * self.length**5 * self.width / (40 * self.stiffness)
         return self.solid.layer_energy(0) / exact
-
-
-def rates(sizes: Sequence[float], errors: Sequence[float]) -> list[float]:
-    """Orders of convergence from one size to the next."""
-    pairs = zip(pairwise(sizes), pairwise(errors), strict=True)
-    return [float(np.log(e / f) / np.log(h / g)) for (h, g), (e, f) in pairs]

@@ -5,7 +5,8 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
-from verification.buckled_plate import THICKNESS, BuckledPlate
+from dolfinx import fem
+from verification.buckled_plate import LENGTH, THICKNESS, BuckledPlate
 from verification.solid_problem import push
 
 from fenics_model.branch_fields import branch_dataset
@@ -82,6 +83,30 @@ def test_under_a_load_one_side_is_lower_and_the_choice_decides(plate, choice, we
     assert (minus.energy < plus.energy) == (weight < 0)
     assert departure.taken == side
     assert (plate.rise() > 0) == (side == "plus")
+
+
+def smooth_changes(plate, count):
+    """Random smooth changes of the displacements, zero at the clamps, of 10 micrometres."""
+    rng = np.random.default_rng(7)
+    for _ in range(count):
+        frequency, phase = rng.uniform(-800, 800, (3, 3)), rng.uniform(0, 6, (3, 1))
+        change = fem.Function(plate.solid.space)
+        change.sub(0).interpolate(
+            lambda x, f=frequency, p=phase: 1e-5 * np.sin(np.pi * x[0] / LENGTH) * np.cos(f @ x + p)
+        )
+        yield change.x.array
+
+
+def test_whatever_disturbs_a_stable_shape_raises_its_energy(plate):
+    """And what disturbs the flat one along its mode lowers it."""
+    search = plate.search()
+    modes = search.flow.unstable_modes()
+    (mode,) = buckling_modes(plate.newton, search.flow.mass, modes, plate.lift(1.0))
+    assert plate.energy_at(1e-5 * mode.direction) < plate.energy()
+    left(plate)
+    least = plate.energy()
+    for change in smooth_changes(plate, 6):
+        assert plate.energy_at(change) > least
 
 
 def test_who_wants_the_unstable_shape_gets_it_with_the_energies_of_the_others(plate):

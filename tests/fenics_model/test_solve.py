@@ -7,6 +7,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
+from verification.symmetry import asymmetry
 
 from bilayer import (
     ComputationError,
@@ -101,6 +102,16 @@ def test_it_bends_toward_the_substrate(released):
     shape = released["position"].values[-1]
     rim = np.linalg.norm(released["reference_position"].values, axis=1) > 0.0399
     assert shape[rim, 2].mean() < shape[~rim, 2].mean()
+
+
+@needs_dolfinx
+@pytest.mark.parametrize(("turn", "mirrored"), [(1, False), (2, False), (0, True)])
+def test_the_shape_has_the_symmetries_of_the_specimen(released, mesh, turn, mirrored):
+    """To the accuracy of a coarse mesh that has none of them."""
+    shape = released["position"].values[-1]
+    apart = asymmetry(mesh, shape, 2 * np.pi * turn / 5, mirrored=mirrored)
+    assert 0 < apart < 0.02 * float(released["height"][-1])
+    assert asymmetry(mesh, shape, np.pi / 5) > 3 * apart  # a petal onto a cutout
 
 
 @needs_dolfinx
