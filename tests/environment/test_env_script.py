@@ -56,7 +56,7 @@ needs_mounts = pytest.mark.skipif(not can_make_mounts(), reason="no mounts may b
 def run(*arguments: str | Path, **variables: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [str(ENV), *map(str, arguments)],
-        env=os.environ | variables,
+        env=os.environ | {"BILAYER_SUITE": ""} | variables,
         capture_output=True,
         text=True,
         timeout=60,
@@ -306,6 +306,7 @@ class Machine:
         self.takes(0)
         self.variables = {
             "BILAYER_ENV": "root",
+            "BILAYER_SUITE": "",
             "FAKE": str(folder),
             "XDG_CACHE_HOME": str(folder / "cache"),
             "PATH": f"{commands}:/usr/bin:/bin:/usr/sbin:/sbin",
