@@ -22,6 +22,8 @@ TARGETS = (1.06, 1.15, 1.24)
 STRIPS = (4, 5, 6)
 GROWTH_UP_TO = 22_000
 """Triangles of the largest mesh that counts for the growth."""
+FINEST_OF_ALL = 3000
+"""Triangles of the largest mesh on which all numbers of strips are released."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -87,10 +89,10 @@ def _exponent(rows: pd.DataFrame, seconds: pd.Series) -> float:
 
 
 def _iterations(sizes: list[int]) -> str:
-    """Iterations over meshes, prestretches and strips, on the meshes of up to 6000 triangles."""
+    """Iterations over meshes, prestretches and strips."""
     rows = []
     for strips in STRIPS:
-        for size in (size for size in sizes if size <= 6000):
+        for size in (size for size in sizes if size <= FINEST_OF_ALL):
             found = [cost(Release(size, target, strips)) for target in TARGETS]
             counts = {f"{one['prestretch']:g}": _count(one) for one in found}
             rows.append({"strips": strips, "triangles": found[0]["triangles"], **counts})

@@ -36,7 +36,7 @@ def test_a_release_reaches_its_target_in_one_step():
     assert found["converged"]
     assert found["load steps"] == 1
     assert 5 < found["iterations"] < 60
-    assert found["triangles"] == pytest.approx(400, rel=0.3)
+    assert found["triangles"] == pytest.approx(400, rel=0.5)
     sections = ("set-up", "assembly", "factorisation", "solution", "measures", "rest")
     assert sum(found[name] for name in sections) == pytest.approx(found["total"])
     assert found["assembly"] > 0
