@@ -10,6 +10,7 @@ from pathlib import Path
 
 import xarray as xr
 from paper_observations import accurate_shell_conclusion, observations
+from paper_studies import NAMES, SOLVERS, run_studies
 
 import bilayer
 from bilayer.comparison import compare, comparison_table
@@ -45,6 +46,8 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     try:
         reproduce(specimen, folder)
+        if options.all:
+            run_studies(NAMES, SOLVERS)
     except bilayer.BilayerError as error:
         print(f"scripts/reproduce: error: {error}", file=sys.stderr)
         return 2 if isinstance(error, bilayer.InputError) else 1
@@ -114,6 +117,9 @@ def _options() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help="6 mm mesh, four of the prestretches")
+    parser.add_argument(
+        "--all", action="store_true", help="then the studies of scripts/paper_studies, too"
+    )
     parser.add_argument(
         "--output", type=Path, metavar="DIR",
         help="where to write; results/paper, or results/quick with --quick, where left out",

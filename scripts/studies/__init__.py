@@ -1,0 +1,1 @@
+"""Studies of the paper: their study files, and what they say."""
