@@ -9,13 +9,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import dshell
+from benchmarks import calculix, dshell
 from benchmarks.page import with_part
 
 from bilayer.errors import ComputationError, InputError
 from bilayer.output_file import whole_file
 
-BENCHMARKS = {"dshell": dshell}
+BENCHMARKS = {"dshell": dshell, "calculix": calculix}
 PAGE = Path(__file__).parents[1] / "docs" / "performance.md"
 
 

@@ -1,33 +1,47 @@
-"""CPU seconds and errors of the finite-element model beside those of CalculiX, as a table.
+"""The finite-element model beside CalculiX: CPU seconds and errors.
 
-Started by scripts/benchmark_calculix, which runs CalculiX first: it leaves SIZE.nc and
-SIZE.seconds (a line "deck_1.03 24.4" per prestretch) for each mesh size in mm.
+CalculiX runs outside the environment of the benchmarks: scripts/benchmark_calculix runs it first.
+In a folder it leaves specimen.toml and, for each mesh size in mm, SIZE.nc and SIZE.seconds (a line
+"deck_1.03 24.4" per prestretch).
 """
 
+import argparse
 import resource
 import subprocess
-import sys
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import pandas as pd
 import xarray as xr
 
 from bilayer import open_result, result_mesh, write_planar_mesh
+from bilayer.errors import ComputationError
 
+DESCRIPTION = "the finite-element model beside CalculiX: CPU time and errors on the same meshes"
+EXAMPLES = """\
+  scripts/benchmark_calculix 8             # runs CalculiX, too, and then this
+  scripts/benchmark calculix FOLDER 8      # on what CalculiX left in a folder"""
 SINGLES = (1.03, 1.06, 1.15)
 REFERENCE_SIZE = "3"
-MUST, AIM = 5.0, 15.0
+MUST, AIM = 5, 15
 
 
-def main(words: Sequence[str]) -> int:
-    folder, sizes = Path(words[0]), words[1:]
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add where CalculiX's runs are."""
+    parser.add_argument("folder", type=Path, help="what scripts/benchmark_calculix made")
+    parser.add_argument("sizes", nargs="+", metavar="SIZE", help="mesh sizes, mm")
+
+
+def tables(options: argparse.Namespace) -> Iterator[str]:
+    """Yield the table as text."""
+    folder = options.folder
     reference = solve(folder, "reference", ["--mesh-size", f"{REFERENCE_SIZE}e-3"])[0]
-    rows = [row for size in sizes for row in compared(folder, size, reference)]
-    print(f"errors against a mesh of {REFERENCE_SIZE} mm; ratio: of CPU times, CalculiX over ours")
-    print(pd.DataFrame(rows).to_string(index=False))
-    print(f"must {MUST:g}, aim on the sweep {AIM:g}")
-    return 0
+    rows = [row for size in options.sizes for row in compared(folder, size, reference)]
+    yield (
+        "CPU seconds of the programs, errors of the radius of the best sphere against the "
+        f"finite-element model on a mesh of {REFERENCE_SIZE} mm. Ratio: CalculiX over ours; "
+        f"must {MUST}, aim on the sweep {AIM}\n" + pd.DataFrame(rows).to_string(index=False)
+    )
 
 
 def compared(folder: Path, size: str, reference: xr.Dataset) -> list[dict[str, str]]:
@@ -70,7 +84,8 @@ def solve(folder: Path, name: str, options: list[str]) -> tuple[xr.Dataset, floa
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     command = ["bilayer", "solve", str(folder / "specimen.toml"), "--solver", "fenics",
                "-o", str(output), "--quiet", *options]  # fmt: skip
-    subprocess.run(command, check=True)
+    if subprocess.run(command, check=False).returncode not in (0, 1):
+        raise ComputationError(f"{' '.join(command)}: failed")
     return open_result(output), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
@@ -84,7 +99,3 @@ def error(result: xr.Dataset, reference: xr.Dataset) -> float:
     """Largest relative error of the radius of the best sphere; NaN where one is missing."""
     expected = reference["sphere_radius"].sel(prestretch=result["prestretch"])
     return float(abs(result["sphere_radius"] / expected - 1).max(skipna=False))
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
