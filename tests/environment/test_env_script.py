@@ -224,7 +224,8 @@ def test_signals_reach_the_command(way, sent, tmp_path):
         "import signal, sys, time\n"
         f"signal.signal({int(sent)}, lambda *_: sys.exit(33))\n"
         "print('ready', flush=True)\n"
-        "time.sleep(30)\n"
+        # in short steps: Python may see a signal only after the call that it came just before
+        "for _ in range(3000): time.sleep(0.01)\n"
     )
     process = subprocess.Popen(
         [ENV, "python3", "-c", code],
@@ -614,6 +615,7 @@ def test_without_one_a_small_root_of_debian_12_is_made_once(machine):
     machine.finish()
     (main_root,) = machine.all_roots
     hide_system_commands(machine, "ccx")
+    assert "not built yet" in machine.finish("--where", script="ccx")[1]
     status, output, errors = machine.finish("-v", script="ccx")
     assert (status, output) == (0, "entered\n")
     assert "scripts/ccx: making a Debian bookworm environment" in errors
