@@ -32,10 +32,10 @@ def test_a_section_has_the_time_of_what_it_calls():
 
 
 def test_a_release_reaches_its_target_in_one_step():
-    found = cost(Release(400, 1.03))
+    found = cost(Release(400, 1.15))
     assert found["converged"]
     assert found["load steps"] == 1
-    assert 5 < found["iterations"] < 60
+    assert 5 < found["iterations"] <= 25  # 27 if corrections are not shortened
     assert found["triangles"] == pytest.approx(400, rel=0.5)
     sections = ("set-up", "assembly", "factorisation", "solution", "measures", "rest")
     assert sum(found[name] for name in sections) == pytest.approx(found["total"])
