@@ -12,6 +12,7 @@ import numpy as np
 from bilayer import (
     CutPattern,
     Layer,
+    LinearElastic,
     MeshSize,
     MooneyRivlin,
     PlanarMesh,
@@ -21,11 +22,11 @@ from bilayer import (
 )
 from bilayer.errors import ComputationError
 from bilayer.mesh_generation import generate_mesh
-from dshell import MorleySettings
+from dshell import HingeSettings, MorleySettings
 from dshell.hinge_rest_state import specimen_sections
 from dshell.morley import MorleyFaces
 from dshell.morley_model import specimen_layers
-from dshell.rigid_motion import held_coordinates
+from dshell.rigid_motion import held_coordinates, held_nodes
 from verification.meshes import rectangle
 from verification.shell_problem import Problem, nodes_of, plate
 
@@ -38,6 +39,15 @@ CENTRE = 0.006  # radius within which curvature counts as the centre's
 def ladder_disc(cut: CutPattern | None = None, size: float = 0.004) -> Specimen:
     """The verification ladder's specimen: incompressible layers of 1 mm, R = 40 mm."""
     return Specimen(RADIUS, SUBSTRATE, KIRIGAMI, Prestretch((1.01,)), cut, MeshSize(size))
+
+
+def linear_disc(poisson_ratio: float, size: float = 0.003) -> Specimen:
+    """The ladder's uncut disc of linear layers with one Poisson's ratio."""
+    layers = (
+        Layer(1e-3, LinearElastic(material.young_modulus, poisson_ratio))
+        for material in (SUBSTRATE.material, KIRIGAMI.material)
+    )
+    return Specimen(RADIUS, *layers, Prestretch((1.01,)), None, MeshSize(size))
 
 
 def bilayer_faces(specimen: Specimen, mesh: PlanarMesh, stretch, profile=None):
@@ -71,17 +81,18 @@ def scaled_cap(mismatch: float, size: float = 0.004) -> Cap:
     normal = _rim_normal(nodes, mesh)
     sag = np.abs((nodes @ normal)[mesh.rim_nodes]).mean()
     curvature = _centre_curvatures(faces, state, mesh).mean()
-    return Cap(2 * sag / RADIUS**2 * _scale(), curvature * _scale())
+    return Cap(2 * sag / RADIUS**2 * _scale(ladder_disc()), curvature * _scale(ladder_disc()))
 
 
-def loss_of_symmetry(mismatches: Sequence[float]) -> float:
-    """The mismatch S at which the uncut disc's cap becomes unstable.
+def loss_of_symmetry(mismatches: Sequence[float], specimen: Specimen | None = None) -> float:
+    """The mismatch S at which an uncut disc's cap becomes unstable; the ladder's if left out.
 
     The least stiffness of the cap falls to 0 there: a parabola through it at mismatches before.
     (At S_c the shell resists nothing, and beyond it can roll up about any axis.)
     """
-    mesh = generate_mesh(ladder_disc())
-    stiffness = [_least_stiffness(mesh, mismatch) for mismatch in mismatches]
+    disc = ladder_disc() if specimen is None else specimen
+    mesh = generate_mesh(disc)
+    stiffness = [_least_stiffness(disc, mesh, mismatch) for mismatch in mismatches]
     zeros = np.roots(np.polyfit(mismatches, stiffness, 2))
     beyond = [zero.real for zero in zeros if np.isreal(zero) and zero.real > max(mismatches)]
     if not beyond:
@@ -89,10 +100,10 @@ def loss_of_symmetry(mismatches: Sequence[float]) -> float:
     return float(min(beyond))
 
 
-def span_ratio(mismatch: float) -> float:
+def span_ratio(mismatch: float, settings: MorleySettings | HingeSettings | None = None) -> float:
     """The larger over the smaller horizontal span of the uncut disc's stable shape at S."""
     specimen = ladder_disc().with_milestones([stretch_of(mismatch)])
-    result = solve(specimen, "dshell", MorleySettings())
+    result = solve(specimen, "dshell", MorleySettings() if settings is None else settings)
     if not result.converged.values.all() or result.unstable_modes.values.any():
         raise ComputationError(f"no stable shape at S = {mismatch:.4f}")
     x, y, _ = result.span.values[0]
@@ -103,35 +114,37 @@ def rolled_curvature(mismatch: float, size: float = 0.004) -> float:
     """The larger principal curvature at the centre of the uncut disc at S, over k0."""
     mesh = generate_mesh(ladder_disc(size=size))
     faces, state = _released(mesh, mismatch)
-    return float(_centre_curvatures(faces, state, mesh).max() * _scale() / mismatch)
+    return float(_centre_curvatures(faces, state, mesh).max() * _scale(ladder_disc()) / mismatch)
 
 
-def stretch_of(mismatch: float) -> float:
-    """The prestretch at which the ladder's uncut disc has S = mismatch, by bisection."""
+def stretch_of(mismatch: float, specimen: Specimen | None = None) -> float:
+    """The prestretch at which an uncut disc, the ladder's if none, has S = mismatch."""
+    disc = ladder_disc() if specimen is None else specimen
     low, high = 1.0, 1.2
-    scale = _scale()
-    for _ in range(60):
+    scale = _scale(disc)
+    for _ in range(60):  # bisection
         middle = (low + high) / 2
-        curvature = specimen_sections(ladder_disc(), (middle, middle))[1].curvature[0]
+        curvature = specimen_sections(disc, (middle, middle))[1].curvature[0]
         low, high = (middle, high) if scale * curvature < mismatch else (low, middle)
     return low
 
 
-def _scale() -> float:
-    """R^2 / 4h, m."""
-    section = specimen_sections(ladder_disc(), (1.0, 1.0))[1]
-    return float(RADIUS**2 / 4 / np.sqrt(12 * 0.75 * section.bending / section.stretching))
+def _scale(specimen: Specimen) -> float:
+    """R^2 / 4h, m, for two layers of one Poisson's ratio."""
+    section = specimen_sections(specimen, (1.0, 1.0))[1]
+    plane = 1 - specimen.substrate.material.poisson_ratio**2
+    return float(RADIUS**2 / 4 / np.sqrt(12 * plane * section.bending / section.stretching))
 
 
-def _uncut(mesh: PlanarMesh, mismatch: float) -> Problem:
-    stretch = stretch_of(mismatch)
-    faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, stretch))
+def _uncut(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> Problem:
+    stretch = stretch_of(mismatch, disc)
+    faces, flat = bilayer_faces(disc, mesh, (stretch, stretch))
     return Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat)))
 
 
 def _released(mesh: PlanarMesh, mismatch: float) -> tuple[MorleyFaces, np.ndarray]:
     """Faces and stable state of the uncut disc at S."""
-    problem = _uncut(mesh, mismatch)
+    problem = _uncut(ladder_disc(), mesh, mismatch)
     # a round disc rolls up about any axis alike, so this can take many iterations
     state = problem.solved(longest_step=RADIUS / 4, iterations=200)
     if problem.unstable_modes(state):
@@ -139,9 +152,9 @@ def _released(mesh: PlanarMesh, mismatch: float) -> tuple[MorleyFaces, np.ndarra
     return problem.faces, state
 
 
-def _least_stiffness(mesh: PlanarMesh, mismatch: float) -> float:
-    """Eigenvalue nearest to 0 of the Hessian of the uncut disc at S, N/m."""
-    problem = _uncut(mesh, mismatch)
+def _least_stiffness(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> float:
+    """Eigenvalue nearest to 0 of the Hessian of an uncut disc at S, N/m."""
+    problem = _uncut(disc, mesh, mismatch)
     return problem.least_stiffness(problem.solved(longest_step=RADIUS / 4))
 
 
@@ -165,6 +178,37 @@ def timoshenko_strip(stretch: float, cells: int = 80) -> float:
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.04 / 3
     areas = mesh.areas[middle]
     return float(faces.strains(state[faces.dofs])[3, middle] @ areas / areas.sum())
+
+
+def flexure(stretch: float, profile=None, cells: int = 40) -> tuple[float, float]:
+    """Angle per length, 1/m, and stretch of the bond of a bilayer that is bent with its width held.
+
+    The width is held by the nodes' y, the prestretch is along x only; in the middle third.
+    """
+    mesh = rectangle(np.linspace(-0.02, 0.02, cells + 1), np.linspace(-0.001, 0.001, 3))
+    width = 3 * np.arange(len(mesh.points)) + 1
+    centre, far, _ = held_nodes(mesh)
+    held = np.concatenate([width, [3 * centre, 3 * centre + 2, 3 * far + 2]])
+    faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, 1.0), profile)
+    problem = Problem(faces, flat, held, np.zeros(len(flat)))
+    state = problem.solved(longest_step=mesh.points.max() / 4)
+    if problem.unstable_modes(state):
+        raise ComputationError("the bent strip is not stable")
+    middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.02 / 3
+    strain, _, _, curvature, _, _ = faces.strains(state[faces.dofs])[:, middle].mean(axis=1)
+    height = faces.laminate.layers[0].top  # of the bond over the surface
+    at_bond = strain + height * curvature + (profile is not None) * (height * curvature) ** 2 / 2
+    return float(curvature), float(np.sqrt(1 + 2 * at_bond))
+
+
+def hinge_curvature(mesh: PlanarMesh, stretch: float = 1.0005) -> float:
+    """Curvature of a uniform bilayer of hinges, by a paraboloid, over laminate theory's."""
+    specimen = ladder_disc().with_milestones([stretch])
+    shape = solve(specimen, "dshell", HingeSettings(), mesh=mesh).position.values[0]
+    x, y, z = shape.T
+    terms = np.column_stack([np.ones_like(x), x, y, x**2 + y**2])
+    fitted = -2 * np.linalg.lstsq(terms, z, rcond=None)[0][3]
+    return float(fitted / specimen_sections(specimen, (stretch, stretch))[1].curvature[0])
 
 
 def petal_radii(specimen: Specimen, mesh: PlanarMesh, shape) -> np.ndarray:

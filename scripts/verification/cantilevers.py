@@ -9,6 +9,7 @@ from bilayer import LinearElastic
 from dshell.assembly import coordinates_of
 from dshell.plane_stress import plane_stress_law
 from dshell.through_thickness import ShellLayer
+from verification.end_moment import EndMoment
 from verification.meshes import rectangle, slit_ring
 from verification.shell_problem import (
     Problem,
@@ -58,21 +59,48 @@ def heavy_strip(weight: float, cells: int = 40) -> float:
     return float(line[0, 2] - line[-1, 2]) / length
 
 
-def rolled_strip(turn: float, steps: int = 6) -> Array:
-    """The tip (x, y, -z) over the length of a strip of like layers that bends by an angle.
+def rolled_strip(turn: float) -> Array:
+    """The tip (x, y, -z) over the length of a strip that its natural curvature bends by an angle.
 
-    The lower layer is stretched along the strip by m, so the natural curvature is 3/2 m / t, as an
-    end moment of E I times that would give it.
+    That is the curvature that an end moment of E I turn / L would give it.
     """
-    length, thickness, young = 0.1, 1e-3, 1e6
-    strip = Strip(length, 0.01, thickness, young)
-    law = plane_stress_law(LinearElastic(young, 0.0))
-    upper = ShellLayer("upper", law, 0.0, thickness / 2, np.eye(2))
+    strip = _moment_strip()
+    return _tip(strip, _rolled_up(strip, turn))
+
+
+def strip_with_end_moment(turn: float) -> Array:
+    """The tip (x, y, -z) over the length of a strip that an end moment of E I turn / L bends.
+
+    Newton's method starts from the strip rolled up by its natural curvature: from flat a full
+    circle is too far.
+    """
+    strip = _moment_strip()
+    problem = strip.problem([single_layer(strip.young, 0.0, strip.thickness)])
+    lines = np.column_stack([strip.tip - len(strip.tip), strip.tip])
+    shares = np.ones(len(lines))
+    shares[[0, -1]] = 0.5  # edges carry half of what lies inside
+    moment = strip.young * strip.width * strip.thickness**3 / 12 * turn / strip.length
+    problem.more = [EndMoment(lines, moment * shares / shares.sum(), turn)]
+    return _tip(strip, problem.solved(1e-7, strip.length / 4, _rolled_up(strip, turn)))
+
+
+def _moment_strip() -> Strip:
+    return Strip(length=0.1, width=0.01, thickness=1e-3, young=1e6)
+
+
+def _rolled_up(strip: Strip, turn: float, steps: int = 6) -> Array:
+    """State of a strip of two like layers, the lower stretched by m: curvature 3/2 m / t."""
+    law = plane_stress_law(LinearElastic(strip.young, 0.0))
+    half = strip.thickness / 2
+    upper = ShellLayer("upper", law, 0.0, half, np.eye(2))
     state = None
-    for mismatch in turn / length * thickness / 1.5 * np.arange(1, steps + 1) / steps:
-        stretch = np.diag([1 + mismatch, 1.0])
-        lower = ShellLayer("lower", law, -thickness / 2, 0.0, stretch)
-        state = strip.problem([lower, upper]).solved(1e-7, length / 4, state)
+    for mismatch in turn / strip.length * strip.thickness / 1.5 * np.arange(1, steps + 1) / steps:
+        lower = ShellLayer("lower", law, -half, 0.0, np.diag([1 + mismatch, 1.0]))
+        state = strip.problem([lower, upper]).solved(1e-7, strip.length / 4, state)
+    return state
+
+
+def _tip(strip: Strip, state: Array) -> Array:
     line = strip.middle(state)
     return line[-1] * [1, 1, -1] / np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
 

@@ -6,6 +6,7 @@ for a cylinder, a sphere and a saddle of curvature k0: no nu fits the lattice's 
 
 import numpy as np
 
+from dshell.edge_springs import EdgeSprings
 from dshell.hinges import Hinges, hinge_angles
 from dshell.topology import Topology
 from verification.meshes import hexagon
@@ -44,3 +45,20 @@ def dihedral_of_a_sphere() -> np.ndarray:
     mesh = hexagon(RINGS, EDGE)
     angles = hinge_angles(sphere(*mesh.points.T)[Topology.of(mesh.triangles).hinges])
     return angles / CURVATURE / EDGE
+
+
+def bending_poisson_ratio() -> float:
+    """That of the plate whose sphere costs as much more than its cylinder: 2 (1 + nu)."""
+    return lattice_energy(sphere) / lattice_energy(cylinder) / 2 - 1
+
+
+def stretching_poisson_ratio() -> float:
+    """That of the membrane whose equal strain costs as much more than its uniaxial one."""
+    mesh = hexagon(RINGS, EDGE)
+    edges = Topology.of(mesh.triangles).edges
+    flat = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    springs = EdgeSprings(edges, np.full(len(edges), STIFFNESS), np.full(len(edges), EDGE))
+    along, equal = (
+        springs.energy((flat * [1 + 1e-5, 1 + across, 1])[edges]).sum() for across in (0.0, 1e-5)
+    )
+    return float(equal / along / 2 - 1)

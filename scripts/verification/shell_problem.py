@@ -4,6 +4,7 @@ A clamp is a row of faces beside the clamped edge, stiff and held: the shell's o
 keep the slope there, and nothing in it knows of clamps. SI units.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.sparse.linalg import eigsh
 
 from bilayer import LinearElastic, PlanarMesh
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly
+from dshell.assembly import Assembly, Energy
 from dshell.linear_solver import best_linear_solver
 from dshell.morley import MorleyFaces
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits
@@ -32,6 +33,13 @@ class Problem:
     flat: Array
     held: NDArray[np.int64]
     load: Array
+    more: Sequence[Energy] = ()
+    """Energies beside that of the faces, such as a moment's."""
+
+    @property
+    def energies(self) -> list[Energy]:
+        """All of them, the faces' first."""
+        return [self.faces, *self.more]
 
     def solved(
         self,
@@ -42,10 +50,10 @@ class Problem:
     ) -> Array:
         """State in equilibrium under the load, from flat or from another state."""
         solver = self._solver()
-        elastic = np.linalg.norm(solver.residual(Body([self.faces], 0 * self.load), self.flat))
+        elastic = np.linalg.norm(solver.residual(Body(self.energies, 0 * self.load), self.flat))
         scale = elastic + np.linalg.norm(self.load)
         outcome = solver.settle(
-            [Body([self.faces], self.load)],
+            [Body(self.energies, self.load)],
             self.flat if start is None else start,
             NewtonLimits(tolerance * scale, iterations, longest_step),
         )
@@ -58,16 +66,16 @@ class Problem:
 
     def unstable_modes(self, state: Array) -> int:
         """Number of negative eigenvalues of the Hessian."""
-        return self._solver().unstable_modes(Body([self.faces], self.load), state)
+        return self._solver().unstable_modes(Body(self.energies, self.load), state)
 
     def least_stiffness(self, state: Array) -> float:
         """Eigenvalue of the Hessian nearest to 0, N/m."""
-        hessian = self._solver().assembly.hessian([self.faces], state)
+        hessian = self._solver().assembly.hessian(self.energies, state)
         begin = np.random.default_rng(0).normal(size=hessian.shape[0])
         return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
 
     def _solver(self) -> EquilibriumSolver:
-        assembly = Assembly(len(self.flat), [self.faces.dofs], self.held)
+        assembly = Assembly(len(self.flat), [term.dofs for term in self.energies], self.held)
         return EquilibriumSolver(assembly, best_linear_solver())
 
 

@@ -1,18 +1,23 @@
 """The ladder of the discrete shells: every case with its reference and tolerance."""
 
+import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from bilayer import open_result, paper_specimen, solve
+from bilayer import MeshSize, PlanarMesh, open_result, paper_specimen, solve
 from bilayer.comparison import compare
 from bilayer.mesh_generation import generate_mesh
 from bilayer.result import result_mesh, result_specimen
-from dshell import MorleySettings
+from dshell import HingeSettings, MorleySettings
 from dshell.hinge_model import HingeModel
 from dshell.morley_model import MorleyModel
-from verification import bilayers, cantilevers, derivatives, hinge_lattice, plates
+from dshell.paper_rest_state import rest_state
+from dshell.through_thickness import QuadraticProfile
+from verification import bilayers, cantilevers, derivatives, flowers, hinge_lattice, plates
+from verification.meshes import hexagon, rectangle
 from verification.rung import Check, Rung
 
 FINITE_ELEMENT_RESULT = Path(__file__).parents[2] / "results" / "paper" / "fenics.nc"
@@ -50,6 +55,105 @@ def rolled_disc() -> Iterator[Check]:
     yield Check("larger curvature over k0 at S = 5", found, 1.5, 0.10)
 
 
+def other_losses_of_symmetry() -> Iterator[Check]:
+    for name, nu, expected in (("1/3", 1 / 3, 1.35747), ("0.3", 0.3, 1.40480)):
+        near = expected * np.array([0.93, 0.95, 0.97])
+        found = bilayers.loss_of_symmetry(near, bilayers.linear_disc(nu))
+        yield Check(f"S_c, nu = {name}", found, expected, 0.02)
+
+
+def flexure() -> Iterator[Check]:
+    for name, profile, tolerance in (
+        ("quadratic", QuadraticProfile(), 0.05),
+        ("linear", None, None),
+    ):
+        curvature, bond = bilayers.flexure(1.06, profile)
+        yield Check(f"{name}: d theta / dX (1/m)", curvature, 39.23298, tolerance)
+        yield Check(f"{name}: stretch of the bond", bond, 0.976057, 0.005 if tolerance else None)
+
+
+def uniform_curvature() -> Iterator[Check]:
+    for name, mesh in _meshes().items():
+        ratios = bilayers.small_mismatch_curvature(mesh)
+        worst = float(ratios[np.unravel_index(np.abs(ratios - 1).argmax(), ratios.shape)])
+        yield Check(f"{name}: curvature of the worst face", worst, 1.0, 1e-3)
+
+
+def hinges_on_meshes() -> Iterator[Check]:
+    meshes_of = {"equilateral": hexagon(12, 0.002), **_meshes()}
+    for name, mesh in meshes_of.items():
+        tolerance = 0.02 if name in ("equilateral", "unstructured") else None
+        yield Check(f"{name}: curvature", bilayers.hinge_curvature(mesh), 1.0, tolerance)
+
+
+def lattice_ratios() -> Iterator[Check]:
+    bending = hinge_lattice.bending_poisson_ratio()
+    yield Check("Poisson's ratio in bending", bending, -1 / 3, 3e-3)
+    stretching = hinge_lattice.stretching_poisson_ratio()
+    yield Check("Poisson's ratio in stretching", stretching, 1 / 3, 0.02)
+    for over in (2.5, 2.9, 3.3):
+        spans = bilayers.span_ratio(over * 1.15075, HingeSettings())
+        yield Check(f"uncut disc at {over:g} S_c: ratio of the spans", spans, 1.0)
+
+
+def _meshes() -> dict[str, PlanarMesh]:
+    grid = np.linspace(-0.02, 0.02, 13)  # m
+    return {
+        "right-angled": rectangle(grid, grid),
+        "jittered": rectangle(grid, grid, jitter=0.25),
+        "unstructured": generate_mesh(bilayers.ladder_disc()),
+    }
+
+
+def petals() -> Iterator[Check]:
+    stretches = (1.03, 1.06, 1.15)
+    specimen, mesh, result = flowers.flower(stretches, 0.003)
+    for stretch, shape in zip(stretches, result.position.values, strict=True):
+        spread = flowers.petal_spread(specimen, mesh, shape)
+        yield Check(f"prestretch {stretch:g}: largest difference", spread, 0.0, 3e-3, 1.0)
+
+
+def five_fold_branch() -> Iterator[Check]:
+    stretches = (1.03, 1.06, 1.15, 1.24, 1.28, 1.32, 1.36, 1.40)
+    specimen, mesh, result = flowers.flower(stretches, 0.003)
+    for row, stretch in enumerate(stretches):
+        spread = flowers.petal_spread(specimen, mesh, result.position.values[row])
+        yield Check(f"prestretch {stretch:g}: petals' radii", spread, 0.0, 0.05, 1.0)
+        iterations = float(result.iterations.values[row])
+        yield Check(f"prestretch {stretch:g}: iterations", iterations, np.nan)
+    touching = np.array(stretches)[result.self_contact_gap.values <= 0]
+    first = float(touching.min()) if len(touching) else float("nan")
+    yield Check("first of these with self-contact", first, 1.33)
+
+
+def fine_meshes() -> Iterator[Check]:
+    stretches = (1.03, 1.06, 1.15, 1.24)
+    coarse, fine = (flowers.flower(stretches, size)[2] for size in (0.00165, 0.00082))
+    for row, stretch in enumerate(stretches):
+        for name in ("height", "sphere_radius"):
+            found, expected = (float(result[name].values[row]) for result in (coarse, fine))
+            quantity = f"prestretch {stretch:g}: {name.replace('_', ' ')} (m)"
+            yield Check(quantity, found, expected, 5e-3)
+
+
+def motion_against_statics() -> Iterator[Check]:
+    specimen = replace(paper_specimen(), mesh=MeshSize(0.008)).with_milestones([1.03, 1.06, 1.15])
+    mesh = generate_mesh(specimen)
+    for name, kind in (("morley", MorleySettings), ("hinge", HingeSettings)):
+        results, times = [], []
+        for method in ("static", "dynamic"):
+            begun = time.process_time()
+            results.append(solve(specimen, "dshell", kind(method=method), mesh=mesh))
+            times.append(time.process_time() - begun)
+        distances = compare(*results)["rms_distance_over_radius"].values
+        yield Check(f"{name}: largest rms distance / R", float(distances.max()), 0.0, 1e-6, 1.0)
+        for result in results:
+            total = float(result.iterations.values.sum())
+            method = "dynamic" if result is results[1] else "static"
+            yield Check(f"{name}, {method}: iterations", total, np.nan)
+        yield Check(f"{name}: CPU of the motion over that of statics", times[1] / times[0], np.nan)
+
+
 def lattice() -> Iterator[Check]:
     for bent, energy in (
         (hinge_lattice.cylinder, np.sqrt(3) / 4),
@@ -63,6 +167,13 @@ def lattice() -> Iterator[Check]:
 def rolled_strip() -> Iterator[Check]:
     for name, turn in (("quarter", np.pi / 2), ("full", 2 * np.pi)):
         x, _, fall = cantilevers.rolled_strip(turn)
+        yield Check(f"{name} circle: u / L", x - 1, np.sin(turn) / turn - 1, 5e-3, 1.0)
+        yield Check(f"{name} circle: w / L", fall, (1 - np.cos(turn)) / turn, 5e-3, 1.0)
+
+
+def strip_with_end_moment() -> Iterator[Check]:
+    for name, turn in (("quarter", np.pi / 2), ("full", 2 * np.pi)):
+        x, _, fall = cantilevers.strip_with_end_moment(turn)
         yield Check(f"{name} circle: u / L", x - 1, np.sin(turn) / turn - 1, 5e-3, 1.0)
         yield Check(f"{name} circle: w / L", fall, (1 - np.cos(turn)) / turn, 5e-3, 1.0)
 
@@ -123,13 +234,17 @@ def energies() -> Iterator[Check]:
     specimen, stretch = paper_specimen(), (1.2, 1.1)
     mesh = generate_mesh(bilayers.ladder_disc(specimen.cut, 0.01))
     linear, quadratic = (MorleySettings(profile=name) for name in ("linear", "quadratic"))
-    for name, model in (
-        ("morley, linear", MorleyModel(specimen, mesh, linear)),
-        ("morley, quadratic", MorleyModel(specimen, mesh, quadratic)),
-        ("hinge", HingeModel(specimen, mesh)),
-    ):
-        state = derivatives.rough_dome(mesh, model.extra_dofs)
-        for term in model.energies(stretch):
+    models = {
+        "morley, linear": MorleyModel(specimen, mesh, linear),
+        "morley, quadratic": MorleyModel(specimen, mesh, quadratic),
+        "hinge": HingeModel(specimen, mesh),
+    }
+    terms = {name: model.energies(stretch) for name, model in models.items()}
+    terms["paper"] = rest_state(specimen, mesh, stretch).at(1.0)
+    for name, energies_of_model in terms.items():
+        extra_dofs = models[name].extra_dofs if name in models else 0
+        state = derivatives.rough_dome(mesh, extra_dofs)
+        for term in energies_of_model:
             case = f"{name}, {term.name}"
             gradient = derivatives.gradient_error(term, state)
             hessian = derivatives.hessian_error(term, state)
@@ -152,12 +267,30 @@ def against_finite_elements() -> Iterator[Check]:
 
 MORLEY, HINGE = "dshell morley", "dshell hinge"
 
-SHELL_RUNGS = (
+TESTED_RUNGS = (
     Rung(
         4, MORLEY, "Timoshenko strip",
         "80 x 6 mm, prestretched along its length, curvature in the middle third; Timoshenko "
         "(1925), for small mismatch.",
         timoshenko_strip,
+    ),
+    Rung(
+        5, MORLEY, "Bending at finite strain",
+        "Rivlin's flexure of a bilayer with its width held, prestretch 1.06 along X. The shell "
+        "takes heights as they are in the flat state, so errors of the order of its strains, some "
+        "per cent, are expected.",
+        flexure,
+    ),
+    Rung(
+        6, MORLEY, "Uniform disc at small mismatch",
+        "Curvature of every face over laminate theory's, on three meshes.",
+        uniform_curvature,
+    ),
+    Rung(
+        6, HINGE, "Uniform disc at small mismatch",
+        "Curvature over laminate theory's. Skewed triangles are outside of what the natural angles "
+        "were made for: reported.",
+        hinges_on_meshes,
     ),
     Rung(
         6, MORLEY, "Cap of a uniform disc",
@@ -171,6 +304,11 @@ SHELL_RUNGS = (
         loss_of_symmetry,
     ),
     Rung(
+        7, MORLEY, "Uniform disc loses its symmetry, other Poisson's ratios",
+        "Layers of the linear law; as above.",
+        other_losses_of_symmetry,
+    ),
+    Rung(
         8, MORLEY, "Uniform disc far beyond: a cylinder",
         "Its curvature at the centre tends to (1 + nu) k0.",
         rolled_disc,
@@ -181,10 +319,20 @@ SHELL_RUNGS = (
         lattice,
     ),
     Rung(
+        9, HINGE, "What a lattice is instead of a plate",
+        "Poisson's ratios of equilateral triangles, closed form; and how long the uncut disc stays "
+        "round beyond the S_c = 1.15075 of an incompressible plate.",
+        lattice_ratios,
+    ),
+    Rung(
+        10, MORLEY, "Strip with an end moment",
+        "The moment E I f / L has the potential -M phi of the end's angle phi. u / L = sin f / f - "
+        "1, w / L = (1 - cos f) / f. Errors are over L.",
+        strip_with_end_moment,
+    ),
+    Rung(
         10, MORLEY, "Strip rolled to a full circle",
-        "u / L = sin f / f - 1, w / L = (1 - cos f) / f for the angle f. A moment that follows the "
-        "tip is no dead load, so the natural curvature M / EI that has the same solution takes its "
-        "place. Errors are over L.",
+        "The same by a natural curvature M / EI, which has the same solution.",
         rolled_strip,
     ),
     Rung(
@@ -228,3 +376,31 @@ SHELL_RUNGS = (
         against_finite_elements,
     ),
 )  # fmt: skip
+
+LONG_RUNGS = (
+    Rung(
+        15, MORLEY, "Petals are alike on an unsymmetric mesh",
+        "The paper's cut, 3 mm: radii of the petals' tips against their mean.",
+        petals,
+    ),
+    Rung(
+        15, MORLEY, "Five-fold branch",
+        "The paper's cut to a prestretch of 1.40, each shape a stable equilibrium; self-contact "
+        "is known to begin at about 1.33.",
+        five_fold_branch,
+    ),
+    Rung(
+        15, MORLEY, "Meshes of 5 and 20 thousand triangles",
+        "The paper's cut: height and radius of the best sphere on the coarser against the finer.",
+        fine_meshes,
+    ),
+    Rung(
+        15, "dshell", "Motion against statics",
+        "The template at 8 mm: where the damped motion ends against the static equilibrium, and "
+        "what each costs.",
+        motion_against_statics,
+    ),
+)  # fmt: skip
+"""Not among the tests of `scripts/test`, which has their like on coarse meshes."""
+
+SHELL_RUNGS = (*TESTED_RUNGS, *LONG_RUNGS)

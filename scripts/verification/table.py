@@ -1,5 +1,6 @@
 """The ladder as a table: in the terminal, and as the page docs/verification.md."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 from verification.rung import MISSED, Check, Rung
@@ -54,11 +55,18 @@ def _cells(check: Check) -> tuple[str, ...]:
     return (
         check.quantity,
         f"{check.measured:.6g}",
-        f"{check.reference:.6g}",
-        f"{check.error:.1e}" if check.error < 1e-5 else f"{100 * check.error:.3f} %",
+        *_against(check),
         "-" if check.tolerance is None else _tolerance(check.tolerance),
         check.verdict,
     )
+
+
+def _against(check: Check) -> tuple[str, str]:
+    """Return the reference and the error; nothing where a number stands for itself."""
+    if math.isnan(check.reference):
+        return "-", "-"
+    error = f"{check.error:.1e}" if check.error < 1e-5 else f"{100 * check.error:.3f} %"
+    return f"{check.reference:.6g}", error
 
 
 def _tolerance(value: float) -> str:
