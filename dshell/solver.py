@@ -23,8 +23,8 @@ from dshell.static_release import ShellModel, StaticRelease, visit_milestones
 PARALLEL = False
 """Under mpirun the first rank computes alone."""
 
-BYTES_PER_TRIANGLE = 25_000
-"""Memory that a run takes (measured: 14 kB per triangle at 6 000 triangles, 24 kB at 19 000)."""
+BYTES_PER_TRIANGLE = 50_000
+"""Memory that a run takes: `scripts/benchmark dshell --largest 100000` measures it."""
 
 DEFAULT_START = "flat"
 """One of `bilayer.solvers.STARTS`."""
