@@ -12,6 +12,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from xarray.backends.locks import HDF5_LOCK
 
 from bilayer.study.folder import StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
@@ -112,7 +113,7 @@ def _read_aligned(
     shapes = {name: array.shape[1:] for name, array in values.items()}
     table = {name: np.full((len(stretches), *shapes.get(name, ())), np.nan) for name in names}
     places = np.searchsorted(stretches, milestones)
-    for name in values:
+    for name in values.keys() & table.keys():
         table[name][places] = values[name]
     return table
 
@@ -145,7 +146,7 @@ def _read_position(
     file: Path, milestones: Sequence[float], stretches: NDArray[np.float64], shape: tuple[int, ...]
 ) -> NDArray[np.float64]:
     table = np.full(shape, np.nan)
-    with netCDF4.Dataset(file) as stored:
+    with HDF5_LOCK, netCDF4.Dataset(file) as stored:  # the library is not safe for threads
         stored.set_auto_mask(False)
         table[np.searchsorted(stretches, milestones)] = stored["position"][:]
     return table

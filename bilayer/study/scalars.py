@@ -8,6 +8,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 from numpy.typing import NDArray
+from xarray.backends.locks import HDF5_LOCK
 
 from bilayer.errors import InputError
 
@@ -45,7 +46,7 @@ def read_scalars(path: str | Path) -> Scalars:
         The file cannot be read.
     """
     try:
-        with netCDF4.Dataset(path) as stored:
+        with HDF5_LOCK, netCDF4.Dataset(path) as stored:  # the library is not safe for threads
             stored.set_auto_mask(False)
             chosen = {
                 name: variable

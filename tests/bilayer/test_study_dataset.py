@@ -67,6 +67,15 @@ def test_nothing_is_read_before_it_is_asked_for(made_study):
         study["quality"].compute()
 
 
+def test_many_threads_read_at_once(made_study):
+    study = open_study(
+        made_study(HEAD + '[vary]\n"substrate.thickness" = [0.001, 0.0011, 0.0012]\n')
+    )
+    one_by_one = study.compute(scheduler="synchronous")
+    for _ in range(10):
+        xr.testing.assert_identical(study.compute(scheduler="threads", num_workers=8), one_by_one)
+
+
 def test_a_case_that_is_missing_is_nan(made_study):
     study = open_study(made_study(GRID, without=[1]))
     missing = study["quality"].isnull().all("prestretch")
@@ -104,6 +113,15 @@ def test_a_dataset_of_a_study_is_written_and_read_by_xarray_alone(made_study, tm
     study.to_netcdf(tmp_path / "study.nc")
     with xr.open_dataset(tmp_path / "study.nc") as stored:
         np.testing.assert_array_equal(stored["quality"].values, study["quality"].values)
+
+
+def test_a_case_that_stopped_has_variables_of_its_own_and_is_read(made_study):
+    def stop_second(case, result):
+        stopped = case.values["cut.strips"] == 6
+        return cap_result(case.specimen, reached=1.05) if stopped else result
+
+    study = open_study(made_study(HEAD + '[vary]\n"cut.strips" = [5, 6]\n', change=stop_second))
+    assert study["converged"].values.tolist() == [[1, 1], [1, 0]]
 
 
 def unsound(case, result):
