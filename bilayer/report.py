@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.effort_text import effort_lines
 from bilayer.result import result_mesh, result_specimen
 from bilayer.specimen import CutPattern, Specimen
 from bilayer.table_text import cells, stretch_text, stretches
@@ -48,6 +49,7 @@ def provenance(result: xr.Dataset) -> str:
         f"versions    {result.attrs['versions']}",
         f"git commit  {result.attrs['git_commit'] or 'unknown'}",
         f"milestones  {done} of {result.sizes['prestretch']} reached",
+        *effort_lines(result),
     ]
     if result.attrs["stop_reason"]:
         lines.append(f"stopped     {result.attrs['stop_reason']}")

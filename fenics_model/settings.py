@@ -28,7 +28,7 @@ class SolidSettings:
     )
     largest_step: float = documented(0.05, "largest load step [1]")
     target_iterations: int = documented(
-        6, "Newton iterations that a load step should take; its size grows or shrinks toward this"
+        8, "Newton iterations that a load step should take; its size grows or shrinks toward this"
     )
     iteration_limit: int = documented(12, "Newton iterations after which a load step has failed")
     flow_steps: int = documented(
@@ -45,7 +45,7 @@ class SolidSettings:
         1e-10, "residual at a milestone, relative to the flat state's [1]"
     )
     path_tolerance: float = documented(
-        1e-4, "residual at the load steps between milestones, relative to the flat state's [1]"
+        1e-3, "residual at the load steps between milestones, relative to the flat state's [1]"
     )
     imperfection: float = documented(
         0.1,

@@ -1,0 +1,98 @@
+"""What goes wrong is said in words, and leaves nothing behind."""
+
+import os
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("dolfinx")
+
+from bilayer import InputError, MeshSize, generate_mesh, paper_specimen
+from bilayer.errors import Interrupted
+from fenics_model import SolidSettings, solve
+
+COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return generate_mesh(COARSE)
+
+
+def hasty(**changes):
+    """Settings that fail at a step of 0.5."""
+    return SolidSettings(
+        first_step=0.5, smallest_step=0.3, largest_step=0.5, flow_steps=0, **changes
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ("-bilayer_snes_type nonsense", "nonsense"),
+        ("-bilayer_snes_tipe newtonls", "-bilayer_snes_tipe is not one of those used"),
+        ("-snes_monitor", "names that begin with -bilayer_"),
+    ],
+)
+def test_wrong_options_are_input_errors_in_one_line(mesh, options, complaint):
+    with pytest.raises(InputError, match=complaint) as raised:
+        solve(COARSE.with_milestones([1.01]), SolidSettings(petsc_options=options), mesh=mesh)
+    assert len(str(raised.value).splitlines()) == 1
+
+
+def test_options_that_are_used_are_fine(mesh):
+    settings = SolidSettings(petsc_options="-bilayer_mat_mumps_icntl_14 60")
+    assert solve(COARSE.with_milestones([1.005]), settings, mesh=mesh)["converged"].values[0] == 1
+
+
+def test_a_factorisation_without_memory_says_so_and_keeps_what_was_reached(mesh):
+    """MUMPS may use 1 MB (ICNTL(23)), which is not enough."""
+    settings = hasty(petsc_options="-bilayer_mat_mumps_icntl_23 1 -bilayer_mat_mumps_icntl_14 0")
+    result = solve(COARSE.with_milestones([1.3]), settings, mesh=mesh)
+    assert result["converged"].values.tolist() == [0]
+    assert "stopped at prestretch 1:" in result.attrs["stop_reason"]
+    assert "the factorisation failed" in result.attrs["stop_reason"]
+
+
+def test_a_failed_run_leaves_nothing_behind(mesh):
+    """Alone, after another and after a failed one the result is the same to the last bit."""
+    specimen = COARSE.with_milestones([1.01, 1.02])
+    alone = solve(specimen, mesh=mesh)
+    again = solve(specimen, mesh=mesh)
+    failed = solve(COARSE.with_milestones([1.9]), hasty(), mesh=mesh)
+    assert failed["converged"].values.tolist() == [0]
+    after = solve(specimen, mesh=mesh)
+    for result in (again, after):
+        assert np.array_equal(result["volume_position"].values, alone["volume_position"].values)
+        assert result["iterations"].values.tolist() == alone["iterations"].values.tolist()
+
+
+def test_an_interruption_keeps_the_milestones_done(mesh):
+    def interrupt(fraction, message):
+        if fraction > 0.6:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(Interrupted) as raised:
+            solve(COARSE.with_milestones([1.01, 1.02, 1.03]), mesh=mesh, progress=interrupt)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    kept = raised.value.result
+    assert kept["converged"].values[0] == 1
+    assert kept["converged"].values[-1] == 0
+    assert kept.attrs["stop_reason"] == "interrupted"
+    whole = solve(COARSE.with_milestones([1.01]), mesh=mesh)
+    assert kept["position"].values[0] == pytest.approx(whole["position"].values[0], abs=1e-9)
+
+
+def test_the_work_is_counted(mesh):
+    result = solve(COARSE.with_milestones([1.01, 1.02]), mesh=mesh)
+    stable = 1  # factorisation for the inertia, by milestone
+    counted = result["iterations"].values + stable
+    assert result["factorisations"].values.tolist() == counted.tolist()
+    parts = result["assembly_time"] + result["factorisation_time"]
+    assert (parts > 0).all()
+    assert (parts <= result["cpu_time"]).all()
