@@ -119,7 +119,7 @@ class AdaptiveStepping:
     EASY: ClassVar[int] = 5
     """Iterations up to which a step counts as easy."""
     GROWTH: ClassVar[float] = 1.5
-    HALVINGS: ClassVar[int] = 20
+    HALVINGS: ClassVar[int] = 10
     """How often the first step may be halved in all before the motion is given up."""
 
 

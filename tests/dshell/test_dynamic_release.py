@@ -5,7 +5,7 @@ import pytest
 
 from bilayer import InputError, solve
 from bilayer.alignment import rms_distance
-from dshell import HingeSettings, MorleySettings
+from dshell import HingeSettings, MorleySettings, dynamic_release
 
 KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])
 
@@ -49,3 +49,19 @@ def test_what_still_moves_at_the_end_is_no_equilibrium(kind, coarse_specimen, co
 def test_bad_times_are_named(kind, values, message):
     with pytest.raises(InputError, match=message):
         kind(**values)
+
+
+@KINDS
+@pytest.mark.parametrize("method", ["static", "dynamic"])
+def test_where_it_diverges_what_was_reached_is_kept(
+    kind, method, coarse_specimen, coarse_mesh, monkeypatch
+):
+    """No prestretch needs no iteration; more than that needs more than is allowed here."""
+    monkeypatch.setattr(dynamic_release, "ITERATIONS", 0)
+    specimen = coarse_specimen.with_milestones([1.0, 1.06])
+    settings = kind(method=method, max_iterations=1, smallest_step=0.2)
+    result = solve(specimen, "dshell", settings, mesh=coarse_mesh)
+    assert result.converged.values.tolist() == [1, 0]
+    assert np.isfinite(result.position.values[0]).all()
+    assert np.isfinite(result.last_position.values[1]).all()
+    assert result.attrs["stop_reason"].startswith("stopped at prestretch 1: Newton")

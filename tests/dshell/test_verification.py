@@ -9,7 +9,8 @@ from verification.rung import MISSED
 from verification.shell_rungs import TESTED_RUNGS
 
 from bilayer import CutPattern, MeshSize, PlanarMesh, generate_mesh, solve
-from dshell import MorleySettings
+from dshell import HingeSettings, MorleySettings
+from dshell.hinge_rest_state import specimen_sections
 from dshell.morley_model import specimen_layers
 from dshell.rigid_motion import held_coordinates
 
@@ -77,31 +78,46 @@ def test_two_like_layers_are_one_plate_of_twice_the_thickness(coarse_mesh):
     assert np.allclose(double.gradient(values), single.gradient(values), rtol=1e-10, atol=1e-12)
 
 
+def test_two_like_layers_have_the_section_of_one_of_twice_the_thickness():
+    substrate = bilayers.SUBSTRATE
+    _, double = specimen_sections(replace(bilayers.ladder_disc(), kirigami=substrate), (1.0, 1.0))
+    thick = replace(substrate, thickness=2 * substrate.thickness)
+    single, _ = specimen_sections(replace(bilayers.ladder_disc(), substrate=thick), (1.0, 1.0))
+    assert double.stretching == pytest.approx(single.stretching)
+    assert double.bending == pytest.approx(single.bending)
+    assert double.curvature == pytest.approx([0, 0], abs=1e-12)
+
+
 @pytest.fixture(scope="module")
 def gentle(coarse_specimen):
     return coarse_specimen.with_milestones([1.06])
 
 
+@pytest.fixture(scope="module", params=[MorleySettings, HingeSettings], ids=["morley", "hinge"])
+def settings(request):
+    return request.param(tolerance=1e-11)
+
+
 @pytest.fixture(scope="module")
-def released(gentle, coarse_mesh):
-    return solve(gentle, "dshell", MorleySettings(tolerance=1e-11), mesh=coarse_mesh)
+def released(gentle, coarse_mesh, settings):
+    return solve(gentle, "dshell", settings, mesh=coarse_mesh)
 
 
-def test_mirrored_mesh_gives_the_mirrored_shape(released, gentle, coarse_mesh):
+def test_mirrored_mesh_gives_the_mirrored_shape(released, gentle, coarse_mesh, settings):
     flip = np.array([1, -1, 1])
     mirrored = PlanarMesh(
         coarse_mesh.points * flip[:2], coarse_mesh.triangles[:, ::-1], coarse_mesh.region
     )
-    again = solve(gentle, "dshell", MorleySettings(tolerance=1e-11), mesh=mirrored)
+    again = solve(gentle, "dshell", settings, mesh=mirrored)
     assert again.position.values[0] == pytest.approx(released.position.values[0] * flip, abs=1e-8)
 
 
-def test_numbering_does_not_matter(released, gentle, coarse_mesh):
+def test_numbering_does_not_matter(released, gentle, coarse_mesh, settings):
     rng = np.random.default_rng(5)
     order, faces = (rng.permutation(len(a)) for a in (coarse_mesh.points, coarse_mesh.triangles))
     triangles = np.roll(np.argsort(order)[coarse_mesh.triangles[faces]], 1, axis=1)
     mesh = PlanarMesh(coarse_mesh.points[order], triangles, coarse_mesh.region[faces])
-    again = solve(gentle, "dshell", MorleySettings(tolerance=1e-11), mesh=mesh)
+    again = solve(gentle, "dshell", settings, mesh=mesh)
     assert again.position.values[0] == pytest.approx(released.position.values[0, order], abs=1e-8)
 
 
