@@ -9,13 +9,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import calculix, dshell
+from benchmarks import calculix, dshell, fenics
 from benchmarks.page import with_part
 
 from bilayer.errors import ComputationError, InputError
 from bilayer.output_file import whole_file
 
-BENCHMARKS = {"dshell": dshell, "calculix": calculix}
+BENCHMARKS = {"dshell": dshell, "fenics": fenics, "calculix": calculix}
 PAGE = Path(__file__).parents[1] / "docs" / "performance.md"
 
 

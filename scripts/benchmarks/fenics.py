@@ -1,16 +1,15 @@
 """What the finite-element model takes: iterations, CPU seconds by part, kernels, ranks.
 
 The paper's specimen at its eight prestretches on one planar mesh. CPU seconds are of one process
-and one thread; those of two ranks are added up. CalculiX beside it: scripts/benchmark_calculix.
+and one thread; "process" adds up the ranks, imports and the shell. CalculiX beside it:
+scripts/benchmark calculix.
 """
 
 import argparse
 import resource
 import subprocess
-import sys
 import tempfile
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,12 +20,18 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 
+import bilayer
+from benchmarks.sections import least_cpu
 from bilayer import MeshSize, generate_mesh, open_result, paper_specimen, specimen_to_toml
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
 from fenics_model import SolidSettings, jit
 from fenics_model.bilayer_solid import bilayer_solid
 from fenics_model.solid import Solid
+
+DESCRIPTION = "the finite-element model: iterations, CPU time by part, kernels, ranks"
+EXAMPLES = """  scripts/benchmark fenics
+  scripts/benchmark fenics --mesh-size 4"""
 
 STARTS = ("shell", "flat")
 SINGLES = (1.03, 1.06)
@@ -38,22 +43,26 @@ MUST = {"shell": 80, "flat": 97, 1.03: 8, 1.06: 12}
 AIM = {"shell": 50, "flat": 70}
 
 
-def main(words: Sequence[str]) -> int:
-    parser = argparse.ArgumentParser(prog="scripts/benchmark fenics", description=__doc__)
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add what this benchmark asks for."""
     parser.add_argument("--mesh-size", type=float, default=6.0, metavar="MM", help="default 6")
-    size = parser.parse_args(words).mesh_size
-    specimen = replace(paper_specimen(), mesh=MeshSize(1e-3 * size))
+
+
+def tables(options: argparse.Namespace) -> Iterator[str]:
+    """Yield the tables as texts."""
+    specimen = replace(paper_specimen(), mesh=MeshSize(1e-3 * options.mesh_size))
     mesh = generate_mesh(specimen)
-    print(f"{len(mesh.triangles)} triangles of {size:g} mm\n")
+    where = f"{len(mesh.triangles)} triangles of {options.mesh_size:g} mm"
     with tempfile.TemporaryDirectory() as folder:
-        show("Newton iterations, all counted", iterations(specimen, Path(folder)))
-    show("Kernels, the fastest of some repetitions", kernels(specimen, mesh))
-    show("Quadrature: error of the radius at 1.06", quadrature(specimen, mesh))
-    return 0
+        yield _titled(
+            f"Newton iterations, all counted; {where}", iterations(specimen, Path(folder))
+        )
+    yield _titled("Kernels, CPU time of the fastest of some repetitions", kernels(specimen, mesh))
+    yield _titled("Quadrature: the radius of the best sphere at 1.06", quadrature(specimen, mesh))
 
 
-def show(title: str, rows: Sequence[dict[str, str]]) -> None:
-    print(f"{title}\n{pd.DataFrame(rows).to_string(index=False)}\n", flush=True)
+def _titled(title: str, rows: Sequence[dict[str, str]]) -> str:
+    return f"{title}\n{pd.DataFrame(rows).to_string(index=False)}"
 
 
 def iterations(specimen: Specimen, folder: Path) -> list[dict[str, str]]:
@@ -68,10 +77,10 @@ def iterations(specimen: Specimen, folder: Path) -> list[dict[str, str]]:
         rows.append(effort(f"{stretch:g}, shell", result, spent) | {"must": str(MUST[stretch])})
     result, spent = solve(specimen, folder, "shell", ranks=2)
     rows.append(effort("sweep, shell, 2 ranks", result, spent))
-    found = [result for result, _ in sweeps] + [result]
-    apart = [largest_distance(found[0], other) for other in found[1:]]
-    print(f"shapes: flat start {apart[0]:.0e} m, two ranks {apart[1]:.0e} m from the first\n")
-    return [{name: row.get(name, "") for name in rows[0]} for row in rows]
+    shell, flat = (found for found, _ in sweeps)
+    rows[1]["from the first"] = f"{largest_distance(shell, flat):.0e} m"
+    rows[-1]["from the first"] = f"{largest_distance(shell, result):.0e} m"
+    return rows
 
 
 def solve(specimen: Specimen, folder: Path, start: str, ranks: int = 1) -> tuple[xr.Dataset, float]:
@@ -108,6 +117,7 @@ def effort(case: str, result: xr.Dataset, spent: float) -> dict[str, str]:
         "factorisation s": f"{factorisation:.1f}",
         "rest s": f"{total - assembly - factorisation:.1f}",
         "process s": f"{spent:.1f}",
+        "from the first": "",
     }
 
 
@@ -117,32 +127,31 @@ def largest_distance(one: xr.Dataset, other: xr.Dataset) -> float:
 
 def kernels(specimen: Specimen, mesh: PlanarMesh) -> list[dict[str, str]]:
     """Microseconds per dof of residual and tangent, by compiler options and quadrature."""
-    rows = []
-    for compiler, flags in COMPILERS.items():
-        for degree in DEGREES:
-            with_flags = jit.JIT_OPTIONS | {"cffi_extra_compile_args": [*flags, "-g0"]}
-            solid = built(specimen, mesh, degree, with_flags)
-            dofs = solid.space.dofmap.index_map.size_global * solid.space.dofmap.index_map_bs
-            matrix = fem_petsc.create_matrix(solid.tangent.form)
-            tangent = fastest(lambda: fem_petsc.assemble_matrix(matrix, solid.tangent.form))  # noqa: B023
-            residual = fastest(lambda: fem.assemble_vector(solid.residual))  # noqa: B023
-            matrix.destroy()
-            rows.append(
-                {
-                    "compiler": compiler,
-                    "degree": str(degree),
-                    "dofs": str(dofs),
-                    "residual us/dof": f"{1e6 * residual / dofs:.2f}",
-                    "tangent us/dof": f"{1e6 * tangent / dofs:.2f}",
-                }
-            )
-    return rows
+    return [
+        {"compiler": compiler, "degree": str(degree)}
+        | kernel_times(built(specimen, mesh, degree, flags))
+        for compiler, flags in COMPILERS.items()
+        for degree in DEGREES
+    ]
 
 
-def built(specimen: Specimen, mesh: PlanarMesh, degree: int, options: dict) -> Solid:
-    """Return the solid, its forms compiled with some options."""
+def kernel_times(solid: Solid) -> dict[str, str]:
+    dofs = solid.space.dofmap.index_map.size_global * solid.space.dofmap.index_map_bs
+    matrix = fem_petsc.create_matrix(solid.tangent.form)
+    tangent = least_cpu(lambda: fem_petsc.assemble_matrix(matrix, solid.tangent.form), REPETITIONS)
+    residual = least_cpu(lambda: fem.assemble_vector(solid.residual), REPETITIONS)
+    matrix.destroy()
+    return {
+        "dofs": str(dofs),
+        "residual us/dof": f"{1e6 * residual / dofs:.2f}",
+        "tangent us/dof": f"{1e6 * tangent / dofs:.2f}",
+    }
+
+
+def built(specimen: Specimen, mesh: PlanarMesh, degree: int, flags: list[str]) -> Solid:
+    """Return the solid, its forms compiled with some flags."""
     kept = dict(jit.JIT_OPTIONS)
-    jit.JIT_OPTIONS.update(options)
+    jit.JIT_OPTIONS["cffi_extra_compile_args"] = [*flags, "-g0"]
     try:
         settings = SolidSettings(quadrature_degree=degree)
         return bilayer_solid(specimen, mesh, settings, MPI.COMM_SELF).solid
@@ -150,24 +159,12 @@ def built(specimen: Specimen, mesh: PlanarMesh, degree: int, options: dict) -> S
         jit.JIT_OPTIONS.update(kept)
 
 
-def fastest(call: Callable[[], object]) -> float:
-    """CPU seconds of the fastest of some calls, because the machine is shared."""
-    spent = []
-    for _ in range(REPETITIONS):
-        begin = time.process_time()
-        call()
-        spent.append(time.process_time() - begin)
-    return min(spent)
-
-
 def quadrature(specimen: Specimen, mesh: PlanarMesh) -> list[dict[str, str]]:
     """Radius of the best sphere by the degree that the quadrature integrates."""
-    from bilayer.solvers import solve as solve_in_process
-
     single = specimen.with_milestones([1.06])
     radius = {
         degree: float(
-            solve_in_process(single, "fenics", SolidSettings(quadrature_degree=degree), mesh=mesh)[
+            bilayer.solve(single, "fenics", SolidSettings(quadrature_degree=degree), mesh=mesh)[
                 "sphere_radius"
             ][0]
         )
@@ -182,7 +179,3 @@ def quadrature(specimen: Specimen, mesh: PlanarMesh) -> list[dict[str, str]]:
         }
         for degree, found in radius.items()
     ]
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
