@@ -18,7 +18,8 @@ from bilayer.solvers import Progress, settings_kind, solve
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
-NOT_COMPARED = ("wall_time",)
+SECONDS = "s"
+"""Unit of the times in a result, which no two runs share."""
 
 
 def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
@@ -88,7 +89,9 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     names = [
         str(name)
         for name in first.data_vars
-        if name in second and first[name].dtype.kind in "fi" and name not in NOT_COMPARED
+        if name in second
+        and first[name].dtype.kind in "fi"
+        and first[name].attrs.get("units") != SECONDS
     ]
     rows = [
         {

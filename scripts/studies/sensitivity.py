@@ -1,0 +1,138 @@
+"""How the quality moves with 1 % of each parameter of a specimen: what an experiment's errors do.
+
+Central differences on one mesh topology: the planar mesh of the specimen is scaled along with the
+outer radius and morphed along with the inner radius and the cutout angle, so that no remeshing
+enters. The last column is the noise of remeshing, for comparison: the largest change of the
+quality between the mesh and one 1 % finer.
+
+    scripts/env python3 scripts/studies/sensitivity.py [SPECIMEN.toml] [--mesh-size 0.006]
+"""
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import bilayer
+from bilayer.specimen import Specimen
+
+STEP = 0.01
+"""Relative change of each parameter, upward and downward."""
+
+
+def main() -> int:
+    options = _options()
+    specimen = (
+        bilayer.paper_specimen()
+        if options.specimen is None
+        else bilayer.read_specimen(options.specimen)
+    )
+    specimen = replace(specimen, mesh=bilayer.MeshSize(options.mesh_size))
+    if options.prestretch:
+        specimen = specimen.with_milestones(options.prestretch)
+    print(sensitivity(specimen, options.solver).to_string(float_format=lambda v: f"{v:+.4f}"))
+    return 0
+
+
+def sensitivity(specimen: Specimen, solver: str) -> pd.DataFrame:
+    """Return the change of the quality per 1 % of each parameter, a column per prestretch."""
+    mesh = bilayer.generate_mesh(specimen)
+    rows = {}
+    for name, changed in parameters(specimen).items():
+        up, down = (
+            bilayer.solve(other, solver, mesh=morphed(mesh, specimen, other))["quality"].values
+            for other in (changed(1 + STEP), changed(1 - STEP))
+        )
+        rows[name] = (up - down) / 2
+        print(f"{name} done", file=sys.stderr)
+    finer = replace(specimen, mesh=bilayer.MeshSize(specimen.mesh.size * (1 - STEP)))
+    here, there = (bilayer.solve(s, solver)["quality"].values for s in (specimen, finer))
+    rows["(remeshed, 1 % finer)"] = there - here
+    table = pd.DataFrame(rows, index=[f"{stretch:g}" for stretch in specimen.prestretch.nominal]).T
+    table.columns.name = "quality per 1 %"
+    return table
+
+
+def parameters(specimen: Specimen) -> dict[str, Callable[[float], Specimen]]:
+    """Return for each parameter what changes it by a factor."""
+
+    def of_layer(name: str, change: Callable[[bilayer.Layer, float], bilayer.Layer]):
+        return lambda factor: replace(specimen, **{name: change(getattr(specimen, name), factor)})
+
+    def thicker(layer: bilayer.Layer, factor: float) -> bilayer.Layer:
+        return replace(layer, thickness=factor * layer.thickness)
+
+    def stiffer(layer: bilayer.Layer, factor: float) -> bilayer.Layer:
+        return replace(layer, material=_stiffer(layer.material, factor))
+
+    found: dict[str, Callable[[float], Specimen]] = {
+        "specimen.outer_radius": lambda f: replace(
+            specimen, outer_radius=f * specimen.outer_radius
+        ),
+        "substrate.thickness": of_layer("substrate", thicker),
+        "kirigami.thickness": of_layer("kirigami", thicker),
+        "substrate.young_modulus": of_layer("substrate", stiffer),
+        "kirigami.young_modulus": of_layer("kirigami", stiffer),
+        "prestretch (lambda - 1)": lambda f: specimen.with_milestones(
+            [(1 + f * (x - 1), 1 + f * (y - 1)) for x, y in specimen.prestretch.milestones]
+        ),
+    }
+    for key in ("inner_radius", "cutout_angle") if specimen.cut is not None else ():
+        found[f"cut.{key}"] = lambda f, key=key: replace(
+            specimen, cut=replace(specimen.cut, **{key: f * getattr(specimen.cut, key)})
+        )
+    return found
+
+
+def morphed(mesh: bilayer.PlanarMesh, specimen: Specimen, other: Specimen) -> bilayer.PlanarMesh:
+    """Return the mesh moved from one specimen's cuts to another's, piecewise linear in r and angle.
+
+    Both have the same number of strips. The radii of rim and cutouts, and the angles of the cuts,
+    map onto one another.
+    """
+    x, y = mesh.points.T
+    radius = np.interp(np.hypot(x, y), _radii(specimen), _radii(other))
+    angle = np.arctan2(y, x) % (2 * np.pi)
+    if specimen.cut is not None:
+        angle = np.interp(angle, _cut_angles(specimen), _cut_angles(other))
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    return bilayer.PlanarMesh(points, mesh.triangles, mesh.region)
+
+
+def _radii(specimen: Specimen) -> list[float]:
+    inner = [] if specimen.cut is None else [specimen.cut.inner_radius]
+    radii = [0.0, *inner, specimen.outer_radius]
+    assert all(a < b for a, b in pairwise(radii)), "a specimen has its cutouts within its rim"
+    return radii
+
+
+def _cut_angles(specimen: Specimen) -> NDArray[np.float64]:
+    cut = specimen.cut
+    half = cut.cutout_angle / 2
+    edges = [edge for centre in cut.cutout_centres for edge in (centre - half, centre + half)]
+    return np.array([0.0, *edges, 2 * np.pi])
+
+
+def _stiffer(material: bilayer.MooneyRivlin, factor: float) -> bilayer.MooneyRivlin:
+    """Multiply every modulus; a compressibility (d1, 1/Pa) goes the other way."""
+    powers = {"c10": 1, "c01": 1, "d1": -1, "young_modulus": 1}
+    fields = {k: v * factor ** powers[k] for k, v in vars(material).items() if k in powers}
+    return replace(material, **fields)
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="Change of the quality with 1 %% of a parameter.")
+    parser.add_argument("specimen", nargs="?", help="a TOML file; the paper's if left out")
+    parser.add_argument("--solver", default="dshell", choices=["dshell", "fenics"])
+    parser.add_argument("--mesh-size", type=float, default=0.006, metavar="M")
+    parser.add_argument("--prestretch", type=float, nargs="+", metavar="L")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
