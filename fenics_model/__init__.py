@@ -76,10 +76,12 @@ def solve(
     """
     try:
         import dolfinx.fem.petsc  # noqa: F401
+        import slepc4py  # noqa: F401
     except ImportError as error:
         raise ComputationError(
-            f"the finite-element model needs dolfinx with PETSc ({error}): run inside scripts/env, "
-            "or install it (on Debian 13 and later: apt install python3-dolfinx)"
+            f"the finite-element model needs dolfinx with PETSc and SLEPc ({error}): run inside "
+            "scripts/env, or install them (on Debian 13 and later: apt install python3-dolfinx "
+            "python3-slepc4py)"
         ) from error
     from fenics_model.release import release
 

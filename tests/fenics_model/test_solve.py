@@ -58,6 +58,8 @@ def test_settings_name_what_is_wrong():
         SolidSettings(tolerance=-1.0)
     with pytest.raises(InputError, match=r"solver\.path_tolerance = 1\.0: .* less than 1"):
         SolidSettings(path_tolerance=1.0)
+    with pytest.raises(InputError, match=r"solver\.branch = 'low'.*mean 'lowest'"):
+        SolidSettings(branch="low")
     with pytest.raises(InputError, match=r"solver\.smallest_step = 0\.002.*solver\.first_step"):
         SolidSettings(smallest_step=0.002)
     with pytest.raises(InputError, match=r"solver\.first_step = 0\.1.*solver\.largest_step"):
@@ -85,6 +87,7 @@ def test_the_dataset_is_whole(released, mesh, tmp_path):
     assert result["unstable_modes"].values.tolist() == [0, 0]
     for name in ("stabilised_steps", "dissipated_energy", "escapes"):
         assert result[name].values.tolist() == [0, 0]  # nothing snaps here
+    assert result["branch_taken"].values.tolist() == [-1, -1]
     assert np.all(result["residual"] < 1e-10)
     assert np.all(
         result["energy"].sel(term=b"substrate" if result["term"].dtype.kind == "S" else "substrate")
