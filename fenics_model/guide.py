@@ -18,7 +18,9 @@ from fenics_model.shell_start import Extrusion
 from fenics_model.solid import Solid
 
 FAR_FROM_BALANCE = 0.5
-"""Residual of a guess, over the reference, above which it is settled with the interface held."""
+"""Residual of a guess, over the reference, above which it is settled with the interface held.
+
+A nearer one is settled, too, where Newton's method fails from it."""
 
 SETTLED = 0.1
 """To what part of the reference it is settled."""
@@ -82,15 +84,20 @@ class Guide:
         reference : float
             Norm of the residual that is to be balanced, N.
         """
-        values, effort = self._newton.state.x.array, Effort(guided_steps=1)
-        before = values.copy()
-        values[:] = self._state_at(there) + self._defect_at(there)
-        if not self._newton.residual_norm() < FAR_FROM_BALANCE * reference:  # not a number, too
-            effort += Effort(self._settle(SETTLED * reference).iterations)
-        predicted = values.copy()
-        outcome = self._newton.solve(accepted)
-        effort += Effort(outcome.iterations)
-        if outcome.converged and self._is_elsewhere(before, predicted):
+        values = self._newton.state.x.array
+        before, guess = values.copy(), self._state_at(there) + self._defect_at(there)
+        values[:] = guess
+        outcome, effort = None, Effort(guided_steps=1)
+        if self._newton.residual_norm() < FAR_FROM_BALANCE * reference:  # else far, or no number
+            outcome = self._newton.solve(accepted)
+            effort += Effort(outcome.iterations)
+        if outcome is None or not outcome.converged:
+            values[:] = guess
+            settled = self._settle(SETTLED * reference)
+            guess = values.copy()
+            outcome = self._newton.solve(accepted)
+            effort += Effort(settled.iterations + outcome.iterations)
+        if outcome.converged and self._is_elsewhere(before, guess):
             outcome = replace(outcome, converged=False, reason="another branch")
         if not outcome.converged:
             self.distrust()

@@ -1,0 +1,107 @@
+"""Where the shapes of the accurate shell lead, against load stepping alone."""
+
+from dataclasses import replace
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from bilayer import (
+    ComputationError,
+    InputError,
+    MeshSize,
+    generate_mesh,
+    paper_specimen,
+    solve,
+)
+from bilayer.starting import LONGEST_WAY, shapes_on_the_way, with_waypoints
+
+COARSE = replace(paper_specimen(), mesh=MeshSize(0.009))
+
+needs_dolfinx = pytest.mark.skipif(find_spec("dolfinx") is None, reason="dolfinx is not there")
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return generate_mesh(COARSE)
+
+
+@pytest.fixture(scope="module")
+def shell(mesh):
+    return solve(COARSE.with_milestones([1.03, 1.06, 1.1]), "dshell", mesh=mesh)
+
+
+@pytest.fixture(scope="module")
+def stepped(mesh):
+    return solve(COARSE.with_milestones([1.03, 1.06]), "fenics", mesh=mesh, start="flat")
+
+
+def test_waypoints_stand_where_milestones_are_far_apart():
+    pairs = with_waypoints(COARSE.with_milestones([1.03, (1.15, 1.03)])).prestretch.milestones
+    assert pairs[0] == (1.03, 1.03)
+    assert pairs[-1] == (1.15, 1.03)
+    assert np.diff(pairs, axis=0).max() <= LONGEST_WAY + 1e-12
+    assert len(pairs) == 3
+
+
+def test_shapes_are_found_at_and_between_milestones(shell, mesh):
+    found = shapes_on_the_way(shell, mesh, [(1.06, 1.06), (1.2, 1.2)])
+    assert [shape.milestone for shape in found] == [0, 0, 1]
+    assert [shape.remaining for shape in found] == pytest.approx([0.03, 0.0, 0.1])
+    assert found[1].shape == pytest.approx(shell["position"].values[1])
+
+
+def test_without_a_shape_up_to_the_first_milestone_the_nearest_stands_in(shell, mesh):
+    (first,) = shapes_on_the_way(shell, mesh, [(1.01, 1.02)])
+    assert first.remaining == 0
+    assert first.shape == pytest.approx(shell["position"].values[0])
+
+
+@needs_dolfinx
+def test_the_shell_leads_to_what_load_stepping_finds(shell, stepped, mesh):
+    led = solve(COARSE.with_milestones([1.03, 1.06]), "fenics", mesh=mesh)
+    radius = COARSE.outer_radius
+    assert led["position"].values == pytest.approx(stepped["position"].values, abs=1e-8 * radius)
+    assert led["unstable_modes"].values.tolist() == stepped["unstable_modes"].values.tolist()
+    assert led["guided_steps"].values.tolist() == led["load_steps"].values.tolist() == [1, 1]
+    assert led["iterations"].values[0] <= 8
+    assert 2 * led["iterations"].sum() < stepped["iterations"].sum()
+    assert "dshell, model morley" in led.attrs["start"]
+    assert stepped.attrs["start"] == "flat"
+    assert stepped["guided_steps"].values.tolist() == [0, 0]
+
+
+@needs_dolfinx
+def test_straight_to_a_milestone_in_few_iterations(stepped, mesh):
+    led = solve(COARSE.with_milestones([1.06]), "fenics", mesh=mesh)
+    assert led["position"].values[0] == pytest.approx(stepped["position"].values[1], abs=1e-9)
+    assert led["iterations"].values[0] <= 12
+
+
+@needs_dolfinx
+def test_a_shape_on_another_branch_leads_nowhere(shell, stepped, mesh):
+    """The mirror image bends the wrong way; then the disc is stepped there."""
+    mirrored = shell.copy(deep=True)
+    mirrored["position"] = mirrored["position"] * [1, 1, -1]
+    led = solve(COARSE.with_milestones([1.03]), "fenics", mesh=mesh, start=mirrored)
+    assert led["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
+    assert led["load_steps"].values[0] > 1
+
+
+@needs_dolfinx
+def test_without_a_shell_the_load_is_stepped_and_the_result_says_why(stepped, mesh):
+    import fenics_model
+
+    def failing(mesh):
+        raise ComputationError("the shell stopped at prestretch 1")
+
+    result = fenics_model.solve(COARSE.with_milestones([1.03]), mesh=mesh, start=failing)
+    assert result.attrs["start"] == "flat, because the shell stopped at prestretch 1"
+    assert result["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
+
+
+def test_the_shell_does_not_start_from_the_shell(mesh):
+    with pytest.raises(InputError, match="start = 'shell'"):
+        solve(COARSE, "dshell", mesh=mesh, start="shell")
+    with pytest.raises(InputError, match="start"):
+        solve(COARSE, "fenics", mesh=mesh, start="flatt")
