@@ -113,7 +113,9 @@ def span_ratio(mismatch: float, settings: MorleySettings | HingeSettings | None 
 def rolled_curvature(mismatch: float, size: float = 0.004) -> float:
     """The larger principal curvature at the centre of the uncut disc at S, over k0."""
     mesh = generate_mesh(ladder_disc(size=size))
-    faces, state = _released(mesh, mismatch)
+    state = None
+    for on_the_way in mismatch * np.array([0.3, 0.5, 0.7, 1.0]):
+        faces, state = _released(mesh, float(on_the_way), state)
     return float(_centre_curvatures(faces, state, mesh).max() * _scale(ladder_disc()) / mismatch)
 
 
@@ -142,11 +144,13 @@ def _uncut(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> Problem:
     return Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat)))
 
 
-def _released(mesh: PlanarMesh, mismatch: float) -> tuple[MorleyFaces, np.ndarray]:
-    """Faces and stable state of the uncut disc at S."""
+def _released(
+    mesh: PlanarMesh, mismatch: float, start: np.ndarray | None = None
+) -> tuple[MorleyFaces, np.ndarray]:
+    """Faces and stable state of the uncut disc at S, from flat or from another state."""
     problem = _uncut(ladder_disc(), mesh, mismatch)
     # a round disc rolls up about any axis alike, so this can take many iterations
-    state = problem.solved(longest_step=RADIUS / 4, iterations=200)
+    state = problem.solved(longest_step=RADIUS / 4, iterations=200, start=start)
     if problem.unstable_modes(state):
         raise ComputationError(f"the shape at S = {mismatch:.4f} is not stable")
     return problem.faces, state
