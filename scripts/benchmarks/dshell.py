@@ -1,9 +1,11 @@
 """The discrete shell: iterations, CPU time by section and memory over meshes and prestretches."""
 
 import argparse
+import sys
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -60,7 +62,7 @@ def tables(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _by_mesh(sizes: list[int]) -> Iterator[str]:
-    rows = pd.DataFrame([in_a_process_of_its_own(cost, Release(size)) for size in sizes])
+    rows = pd.DataFrame([_reported(in_a_process_of_its_own(cost, Release(n))) for n in sizes])
     counts = ["triangles", "dofs", "iterations", "load steps", "unstable modes", "GB"]
     rows["kB per triangle"] = 1e6 * rows["GB"] / rows["triangles"]
     yield "One release from flat to a prestretch of 1.15, in one step\n" + _text(
@@ -84,6 +86,13 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
         )
 
 
+def _reported(found: dict[str, Any]) -> dict[str, Any]:
+    """Say on the way what a release took, so that an interrupted run has not been for nothing."""
+    text = "{triangles} triangles: {iterations} iterations, {total:.1f} s of CPU, {GB:.2f} GB"
+    print(text.format(**found), file=sys.stderr, flush=True)
+    return found
+
+
 def _exponent(rows: pd.DataFrame, seconds: pd.Series) -> float:
     return float(np.polyfit(np.log(rows["triangles"]), np.log(seconds), 1)[0])
 
@@ -100,7 +109,7 @@ def _iterations(sizes: list[int]) -> str:
     return f"{title} (in brackets: load steps, where more)\n" + _text(pd.DataFrame(rows))
 
 
-def _count(found: dict) -> str:
+def _count(found: dict[str, Any]) -> str:
     if not found["converged"]:
         return "no convergence"
     steps = found["load steps"]
