@@ -1,10 +1,12 @@
 """Rings around the points of a plot whose shapes have something against them."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
-_LOOKS = {
+_LOOKS: dict[str, dict[str, Any]] = {
     "unstable": {"marker": "s", "markersize": 10},
     "touches itself": {"marker": "o", "markersize": 10},
 }

@@ -41,8 +41,8 @@ def _seldom(result: xr.Dataset) -> list[str]:
         counts = result[name].values if name in result else np.zeros(0)
         if counts.any():
             at = [
-                f"{count} at {stretch_text(pair)}"
-                for count, pair in zip(counts, stretches(result), strict=True)
+                f"{count} at {stretch_text(stretches(result)[milestone])}"
+                for milestone, count in enumerate(counts)
                 if count
             ]
             found.append(f"{words}: {', '.join(at)}")
