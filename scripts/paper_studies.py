@@ -108,7 +108,8 @@ def _only(plan: StudyPlan, solvers: Sequence[str]) -> StudyPlan:
 
 def _draw_figure_6(study: xr.Dataset) -> None:
     """Draw each shell model's quality against that of the finite elements, if they are there."""
-    files = dict(zip(study["model"].values, study["case_file"].values, strict=True))
+    names = (study[name].values.ravel() for name in ("model", "case_file"))
+    files = dict(zip(*names, strict=True))
     if not files.get("solid"):
         return
     reference = bilayer.open_result(files["solid"])

@@ -3,6 +3,9 @@
 There is no master: a counter on the first rank, which every group reads and advances, is the queue.
 """
 
+import os
+import threading
+import time
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
@@ -43,6 +46,7 @@ def compute_on_ranks(
     """
     from mpi4py.util.sync import Counter
 
+    threading.Thread(target=_end_with_the_launcher, args=(os.getppid(),), daemon=True).start()
     group = world.Split(world.Get_rank() // ranks_per_case, world.Get_rank())
     queue = Counter(comm=world)
     failure: BilayerError | None = None
@@ -79,6 +83,13 @@ def prepared_by_first(world: Any, prepare: Callable[[], Prepared]) -> Prepared:
     if isinstance(outcome, BilayerError):
         raise outcome
     return outcome  # type: ignore[no-any-return]
+
+
+def _end_with_the_launcher(launcher: int) -> None:
+    """End this rank when mpirun was killed: it would wait for ever, and hold the folder."""
+    while os.getppid() == launcher:
+        time.sleep(1.0)
+    os._exit(1)
 
 
 def _met_by_any(group: Any, case: Case, folder: StudyFolder) -> BilayerError | None:
