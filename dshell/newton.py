@@ -31,6 +31,9 @@ CONVEX_SHIFT = 1e-8
 FEW_NEGATIVE = 3
 """Negative eigenvalues whose modes are sought: far from an equilibrium there are many."""
 MODE_TOLERANCE = 1e-4
+MODE_RESTARTS = 3
+"""Of ARPACK, twenty solutions each, for modes that mend a stiffness: those worth it, nearly 0,
+stand apart and take no more; others took thousands of solutions on a fine mesh."""
 CORRECTIONS = 4
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
@@ -238,7 +241,8 @@ class EquilibriumSolver:
         try:
             factor = self._linear.factor(hessian)
             if 0 < factor.negative <= FEW_NEGATIVE:
-                return _Mended(factor, *_negative_pairs(hessian, factor, factor.negative))
+                pairs = _negative_pairs(hessian, factor, factor.negative, MODE_RESTARTS)
+                return _Mended(factor, *pairs)
         except (SingularMatrixError, ArpackError):
             pass
         return None
@@ -253,14 +257,17 @@ class EquilibriumSolver:
             raise NoDescentError("round-off hides the convex relative of the stiffness") from error
 
 
-def _negative_pairs(matrix: csc_matrix, factor: Factor, count: int) -> tuple[Array, Array]:
+def _negative_pairs(
+    matrix: csc_matrix, factor: Factor, count: int, restarts: int | None = None
+) -> tuple[Array, Array]:
     """Return the negative eigenvalues nearest to 0, (count,), and their modes, (n, count)."""
     size = matrix.shape[0]
     inverse = LinearOperator((size, size), matvec=factor.solve, dtype=float)
     begin = np.random.default_rng(0).normal(size=size)
     values, modes = eigsh(
-        matrix, k=count, sigma=0.0, OPinv=inverse, which="SA", v0=begin, tol=MODE_TOLERANCE
-    )
+        matrix, k=count, sigma=0.0, OPinv=inverse, which="SA", v0=begin, tol=MODE_TOLERANCE,
+        maxiter=restarts,
+    )  # fmt: skip
     return values, modes
 
 
