@@ -3,10 +3,11 @@
 Unknowns are the positions of the nodes and one displacement p per edge. Edge i of a face, of flat
 length l_i and outward in-plane normal n_i, turns by
 
-    a_i = theta_i / 2 + p_i / l_i   in its first face,      theta_i / 2 - p_i / l_i   in its second,
+    a_i = t_i / 2 + p_i / l_i   in its first face,      t_i / 2 - p_i / l_i   in its second,
 
-theta the angle across it (0 at the boundary), so p / l shares that angle out between the faces;
-the curvature of a face of area A is
+t = theta l / l' the angle across it (0 at the boundary) by how much the edge has stretched (see
+`dshell.turns`), so p / l shares that turn out between the faces; the curvature of a face of area A
+is
 
     k = sum_i (l_i / A) a_i  n_i (x) n_i.
 
@@ -21,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dshell.assembly import coordinates_of
-from dshell.hinges import Fold
 from dshell.membrane import FlatTriangles
 from dshell.through_thickness import Laminate
 from dshell.topology import FaceNeighbours
+from dshell.turns import Turn
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,7 @@ class MorleyFaces:
         self.laminate = laminate
         self.edge_count = around.edge_count
         self._flat = FlatTriangles(points[triangles])
-        self._turns = 0.5 * self._flat.lengths * around.shared
+        self._turns = 0.5 * self._flat.lengths**2 * around.shared
         self._shares = around.side
         nodes = np.column_stack([triangles, around.apexes])
         self.dofs = np.column_stack(
@@ -100,14 +101,14 @@ class MorleyFaces:
         _add_to_corners(hessian, self._flat.strain_hessian(forces[:3]))
         moments = self._turns * np.einsum("mki,km->mi", self._bending, forces[3:])
         for edge, fold in enumerate(folds):
-            _add_fold(hessian, edge, fold.hessian(moments[:, edge]))
+            _add_fold(hessian, edge, fold.sharpness_hessian(moments[:, edge]))
         return hessian
 
     def convex_hessian(self, values: Array) -> Array:
         """Return the Hessian with what can make it indefinite left out.
 
         Negative eigenvalues of the laminate's stiffness and of the membrane forces count as zero,
-        and so does the second derivative of the angles.
+        and so does the second derivative of the turns.
         """
         corners, folds = self._geometry(values)
         s = self._strains(values, folds)
@@ -125,22 +126,22 @@ class MorleyFaces:
         """Return strain and curvature (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy), shape (6, m)."""
         return self._strains(values, self._geometry(values)[1])
 
-    def _geometry(self, values: Array) -> tuple[Array, list[Fold]]:
+    def _geometry(self, values: Array) -> tuple[Array, list[Turn]]:
         nodes = values[:, :_POSITIONS].reshape(-1, 6, 3)
-        folds = [Fold(nodes[:, [0, 1, 2, 3 + edge]], ends) for edge, ends in enumerate(_FOLDS)]
+        folds = [Turn(nodes[:, [0, 1, 2, 3 + edge]], ends) for edge, ends in enumerate(_FOLDS)]
         return nodes[:, :3], folds
 
-    def _strains(self, values: Array, folds: list[Fold]) -> Array:
-        angles = np.column_stack([fold.angle for fold in folds])
-        turns = self._turns * angles + self._shares * values[:, _POSITIONS:]
+    def _strains(self, values: Array, folds: list[Turn]) -> Array:
+        sharpness = np.column_stack([fold.sharpness for fold in folds])
+        turns = self._turns * sharpness + self._shares * values[:, _POSITIONS:]
         curvature = (self._bending @ turns[:, :, None])[:, :, 0]
         return np.concatenate([self._flat.strain(values[:, :9].reshape(-1, 3, 3)), curvature.T])
 
-    def _strain_gradient(self, corners: Array, folds: list[Fold]) -> Array:
+    def _strain_gradient(self, corners: Array, folds: list[Turn]) -> Array:
         """Return the derivative of strain and curvature by the values, shape (m, 6, 21)."""
         turns = np.zeros((len(corners), 3, 21))  # l_i a_i
         for edge, fold in enumerate(folds):
-            slope = self._turns[:, edge, None, None] * fold.gradient
+            slope = self._turns[:, edge, None, None] * fold.sharpness_gradient
             turns[:, edge, :9] = slope[:, :3].reshape(-1, 9)
             turns[:, edge, _apex(edge)] = slope[:, 3]
             turns[:, edge, _POSITIONS + edge] = self._shares[:, edge]
@@ -149,7 +150,7 @@ class MorleyFaces:
         slope[:, 3:] = self._bending @ turns
         return slope
 
-    def _material_part(self, stiffness: Array, corners: Array, folds: list[Fold]) -> Array:
+    def _material_part(self, stiffness: Array, corners: Array, folds: list[Turn]) -> Array:
         slope = self._strain_gradient(corners, folds)
         stiffness = np.moveaxis(self._flat.areas * stiffness, 2, 0)
         return slope.transpose(0, 2, 1) @ (stiffness @ slope)

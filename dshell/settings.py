@@ -60,7 +60,7 @@ class MorleySettings(ReleaseSettings):
 
     profile: str = documented(
         "quadratic",
-        "strain through the thickness: 'quadratic' E + z k + z^2 k^2 / 2, 'linear' E + z k",
+        "strain through the thickness: 'quadratic' E + z k - z^2 det(k) / 2, 'linear' E + z k",
     )
 
     def __post_init__(self) -> None:

@@ -57,33 +57,36 @@ class LinearProfile:
 
 
 class QuadraticProfile:
-    """e = E + z k + z^2 k k / 2: a fibre is longer by how much it is further out, exactly."""
+    """e = E + z k - z^2 det(k) / 2: a fibre keeps its volume where the surface bends both ways.
+
+    On the surface z along the normals of one with mean curvature H and Gaussian curvature K, areas
+    have grown by 1 + 2 H z. A fibre that keeps its volume is thinner there, so what was drawn at z
+    lies at z - H z^2. With that, z k + z^2 k k / 2 becomes z k + z^2 (k k / 2 - H k), which is
+    z k - z^2 K / 2 by the theorem of Cayley and Hamilton: a cylinder has no quadratic term (as in
+    Rivlin's flexure, where the Green strain is linear in the drawn place), a sphere a negative one.
+    """
 
     def strain(self, s: Array, z: float) -> Array:
         """See `Profile`."""
         x, y, g = s[3:]
-        square = np.stack([x * x + g * g / 4, y * y + g * g / 4, g * (x + y)])
-        return s[:3] + z * s[3:] + 0.5 * z**2 * square
+        gaussian = x * y - g * g / 4
+        return s[:3] + z * s[3:] - 0.5 * z**2 * np.stack([gaussian, gaussian, 0 * g])
 
     def slope(self, s: Array, z: float) -> Array:
         """See `Profile`."""
         x, y, g = s[3:]
         slope = np.zeros((3, 3, s.shape[1]))
-        half = 0.5 * z**2
-        slope[0, 0], slope[0, 2] = z + 2 * half * x, half * g / 2
-        slope[1, 1], slope[1, 2] = z + 2 * half * y, half * g / 2
-        slope[2, 0] = slope[2, 1] = half * g
-        slope[2, 2] = z + half * (x + y)
+        slope[:2] = -0.5 * z**2 * np.stack([y, x, -g / 2])
+        for component in range(3):
+            slope[component, component] += z
         return slope
 
     def bend(self, s: Array, z: float, stress: Array) -> Array:
         """See `Profile`."""
         bend = np.zeros((3, 3, s.shape[1]))
-        half = 0.5 * z**2
-        bend[0, 0], bend[1, 1] = 2 * half * stress[0], 2 * half * stress[1]
-        bend[2, 2] = half * (stress[0] + stress[1]) / 2
-        for row in (0, 1):
-            bend[row, 2] = bend[2, row] = half * stress[2]
+        both = -0.5 * z**2 * (stress[0] + stress[1])
+        bend[0, 1] = bend[1, 0] = both
+        bend[2, 2] = np.divide(both, -2)
         return bend
 
 

@@ -64,7 +64,7 @@ def other_losses_of_symmetry() -> Iterator[Check]:
 
 def flexure() -> Iterator[Check]:
     for name, profile, tolerance in (
-        ("quadratic", QuadraticProfile(), 0.05),
+        ("quadratic", QuadraticProfile(), 0.005),
         ("linear", None, None),
     ):
         curvature, bond = bilayers.flexure(1.06, profile)
