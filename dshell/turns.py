@@ -30,7 +30,7 @@ class Turn(Fold):
 
     @property
     def sharpness(self) -> Array:
-        """theta / l', 1/m, shape (h,)."""
+        """The angle over the present length, 1/m, shape (h,)."""
         return self._ratio
 
     @property
