@@ -14,14 +14,15 @@ from studies_for_tests import QUICK, log_lines, write_study
 from bilayer import open_result
 from bilayer.command_line import main
 from bilayer.errors import ComputationError
+from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
-from bilayer.study.index import TIMINGS, read_index
+from bilayer.study.index import TIMINGS, read_index, write_index
 from bilayer.study.plan import read_study
-from bilayer.study.run import run_study
+from bilayer.study.run import cases_to_compute
 
 TWO_ANGLES = QUICK + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n'
-LONG = QUICK.replace("0.002", "0.08")
-"""Cases of some seconds, to be met in the middle."""
+LONG = QUICK.replace("0.002", "0.04")
+"""Cases of half a second or more, to be met in the middle."""
 
 
 @pytest.fixture
@@ -126,24 +127,33 @@ def test_a_process_that_dies_takes_only_its_case(study):
 def test_a_study_that_is_killed_goes_on(study):
     """Its processes end with it; the next start waits for them, and does nothing twice."""
     write, out = study
-    words = write(LONG + '[vary]\n"cut.cutout_angle" = [0.3, 0.4, 0.5]\n')
-    running = started([*words, "--jobs", "1"])
+    words = [*write(LONG + '[vary]\n"cut.cutout_angle" = [0.3, 0.4, 0.5]\n'), "--jobs", "1"]
+    running = started(words)
     wait_for_log(out, "begun", count=2)
     os.kill(running.pid, signal.SIGKILL)
     running.communicate(timeout=60)
+    with StudyFolder(out).alone():  # its worker has ended
+        first, finished = log_lines(out, "begun"), log_lines(out, "done")
     assert main(words) == 0
-    done = log_lines(out, "done")
-    assert len(done) == len(set(done)) == 3
-    begun = log_lines(out, "begun")
-    assert begun.index(begun[1], 2) == len(begun) - 1, "the interrupted case comes last"
-    index = pd.read_csv(out / "study.csv")
-    undisturbed = run_study(read_study(words[1]), out.parent / "again", jobs=1)
+    plan = read_study(words[1])
+    cases = [case.identity for case in plan.cases]
+    done, again = log_lines(out, "done"), log_lines(out, "begun")[len(first) :]
+    assert sorted(done) == sorted(cases), "every case is finished, and once"
+    assert not set(again) & set(finished), "what was finished is not begun again"
+    untouched = [case for case in cases if case not in first]
+    interrupted = [case for case in first if case not in finished]
+    assert again == untouched + interrupted, "the interrupted case comes last"
+    undisturbed = StudyFolder(out.parent / "undisturbed")
+    undisturbed.make()
+    undisturbed.keep_plan(plan)
+    for case in plan.cases:
+        compute_case(case, undisturbed)
+    write_index(undisturbed)
     left, right = (
-        table.drop(columns=list(TIMINGS)).reset_index(drop=True)
-        for table in (index, pd.read_csv(out.parent / "again" / "study.csv"))
+        pd.read_csv(folder.index_file).drop(columns=list(TIMINGS))
+        for folder in (StudyFolder(out), undisturbed)
     )
     pd.testing.assert_frame_equal(left, right, check_exact=True)
-    assert len(undisturbed) == len(index)
 
 
 def test_a_full_disk_stops_the_study_with_words_and_the_next_start_goes_on(study):
@@ -155,7 +165,9 @@ def test_a_full_disk_stops_the_study_with_words_and_the_next_start_goes_on(study
     assert re.search(r"error: result file .*\.nc: cannot be written", done.stderr)
     assert list((out / "cases").iterdir()) == []
     assert log_lines(out, "not written")
-    assert main(words) == 0
+    folder = StudyFolder(out)
+    assert len(cases_to_compute(read_study(words[1]), folder, retry_failed=False)) == 2
+    assert main([*words, "--case", "1"]) == 0
 
 
 def test_one_folder_is_for_one_study_at_a_time(study, capsys):
