@@ -114,11 +114,12 @@ def petals() -> Iterator[Check]:
 
 
 def five_fold_branch() -> Iterator[Check]:
-    stretches = (1.03, 1.06, 1.15, 1.24, 1.28, 1.32, 1.36, 1.40)
+    stretches = (1.03, 1.06, 1.15, 1.24, 1.28, 1.32, 1.36, 1.38, 1.40)
     specimen, mesh, result = flowers.flower(stretches, 0.003)
     for row, stretch in enumerate(stretches):
         spread = flowers.petal_spread(specimen, mesh, result.position.values[row])
-        yield Check(f"prestretch {stretch:g}: petals' radii", spread, 0.0, 0.05, 1.0)
+        tolerance = 0.02 if stretch <= 1.38 else None
+        yield Check(f"prestretch {stretch:g}: petals' radii", spread, 0.0, tolerance, 1.0)
         iterations = float(result.iterations.values[row])
         yield Check(f"prestretch {stretch:g}: iterations", iterations, np.nan)
     touching = np.array(stretches)[result.self_contact_gap.values <= 0]
@@ -385,8 +386,9 @@ LONG_RUNGS = (
     ),
     Rung(
         15, MORLEY, "Five-fold branch",
-        "The paper's cut to a prestretch of 1.40, each shape a stable equilibrium; self-contact "
-        "is known to begin at about 1.33.",
+        "The paper's cut to a prestretch of 1.40, each shape a stable equilibrium: the petals are "
+        "alike to 1.38, beyond they are not. From self-contact on the shapes pass through "
+        "themselves.",
         five_fold_branch,
     ),
     Rung(
