@@ -35,7 +35,7 @@ class ReleaseSettings:
     )
     max_iterations: int = documented(200, "Newton iterations allowed in one load step")
     ramp: float = documented(
-        0.0125, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
+        0.015, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
     )
     longest_step: float = documented(
         0.5, "largest displacement in one Newton iteration over the outer radius"
