@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from xarray.backends.locks import HDF5_LOCK
 
+from bilayer.errors import ComputationError
 from bilayer.study.folder import StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 
@@ -43,6 +44,8 @@ def open_study(path: str | Path) -> xr.Dataset:
     ------
     InputError
         There is no study in the folder.
+    ComputationError
+        The package dask is missing.
     """
     folder = StudyFolder(path)
     planned = folder.planned()
@@ -67,12 +70,22 @@ def open_study(path: str | Path) -> xr.Dataset:
     return _along_fields(study, entries, fields)
 
 
+def _dask() -> Any:
+    """Return dask, loaded here for the sake of all who open no study: it takes 0.2 s."""
+    try:
+        import dask.array
+    except ImportError as error:
+        raise ComputationError(
+            f"a study cannot be opened: {error}; expected the package dask (pip install dask)"
+        ) from error
+    return dask
+
+
 def _scalar_variables(
     entries: Sequence[Entry], files: Sequence[Path | None], stretches: NDArray[np.float64]
 ) -> dict[str, Any]:
     """Return each scalar over (case, prestretch), its values still in the files."""
-    import dask.array  # here, for the sake of all who open no study: it takes 0.2 s
-
+    dask = _dask()
     kinds = _examples(entries, files)
     names = list(dict.fromkeys(name for kind in kinds for name in kind.values))
     read = [
@@ -122,8 +135,7 @@ def _shape_variables(
     entries: Sequence[Entry], files: Sequence[Path | None], stretches: NDArray[np.float64]
 ) -> dict[str, Any]:
     """Return the positions of cases on one mesh, still in the files, and that mesh."""
-    import dask.array
-
+    dask = _dask()
     with xr.open_dataset(next(file for file in files if file is not None)) as example:
         mesh = example[list(MESH_VARIABLES)].load()
         attributes = example["position"].attrs

@@ -2,6 +2,8 @@
 
 import functools
 import re
+import subprocess
+import sys
 
 import dask.array
 import numpy as np
@@ -65,6 +67,17 @@ def test_nothing_is_read_before_it_is_asked_for(made_study):
         file.unlink()
     with pytest.raises(InputError, match="cannot be read"):
         study["quality"].compute()
+
+
+def test_without_dask_all_but_opening_a_study_works(made_study):
+    words = (
+        "import sys; sys.modules['dask'] = None; import bilayer; bilayer.open_study(sys.argv[1])"
+    )
+    path = str(made_study(HEAD))
+    done = subprocess.run([sys.executable, "-c", words, path], capture_output=True, text=True)
+    last = done.stderr.splitlines()[-1]
+    assert "ComputationError: a study cannot be opened" in last
+    assert last.endswith("expected the package dask (pip install dask)")
 
 
 def test_many_threads_read_at_once(made_study):
