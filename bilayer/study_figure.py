@@ -14,6 +14,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bilayer.caveat_marks import mark_caveats
+from bilayer.caveats import is_unstable, touches_itself
 from bilayer.errors import InputError
 from bilayer.figure_style import RESULT_COLOURS, RESULT_MARKERS, new_figure, print_style
 from bilayer.quality_figure import PRESTRETCH, QUALITY
@@ -29,7 +31,6 @@ FIELD_UNITS = {
 SHOWN_UNITS = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}
 """Units in which lengths and moduli are drawn, with the factor to them."""
 NOT_A_NAME = ("identity", "case_file", "xyz")
-JUDGED = ("converged", "unstable_modes", "self_contact_gap")
 
 
 def draw_study(
@@ -88,14 +89,19 @@ def study_table(
     Returns
     -------
     DataFrame
-        Columns `x`, `hue`, `y`, and `converged`, `unstable_modes`, `self_contact_gap`.
+        Columns `x`, `hue`, `y`, and `converged`, `unstable`, `touches_itself`.
     """
     names = [str(name) for name in study.coords if name not in NOT_A_NAME]
     for option, name in (("x", x), ("hue", hue), *(("select", name) for name in chosen)):
         _check_known(option, name, names)
     scalars = [str(name) for name in study.data_vars if _is_scalar(study[name])]
     _check_known("y", y, scalars)
-    table = study[[y, *JUDGED]].to_dataframe().reset_index()
+    like = study["converged"]
+    judged = study[[y, "converged"]].assign(
+        unstable=like.copy(data=is_unstable(study)),
+        touches_itself=like.copy(data=touches_itself(study)),
+    )
+    table = judged.to_dataframe().reset_index()
     for name, value in chosen.items():
         table = table[_is_value(table[name], name, value)]
     table = table[table["converged"].notna()]
@@ -143,21 +149,8 @@ def _check_single(table: pd.DataFrame, x: str, hue: str | None, names: Sequence[
 
 def _mark(axes: Axes, table: pd.DataFrame, x: str, y: str) -> None:
     """Mark the points that are not the shape of a real specimen."""
-    reached = table["converged"] == 1
-    unstable = table[reached & (table["unstable_modes"] > 0)]
-    touching = table[reached & (table["self_contact_gap"] == 0)]
-    missing = table[~reached]
-    ring: dict[str, Any] = {
-        "linestyle": "none",
-        "marker": "o",
-        "markersize": 11,
-        "markerfacecolor": "none",
-    }
-    cross: dict[str, Any] = {"linestyle": "none", "marker": "x", "markersize": 9, "color": "black"}
-    if len(unstable):
-        axes.plot(unstable[x], unstable[y], color="red", label="unstable", clip_on=False, **ring)
-    if len(touching):
-        axes.plot(touching[x], touching[y], label="touches itself", clip_on=False, **cross)
+    mark_caveats(axes, table[x], table[y], table["unstable"], table["touches_itself"])
+    missing = table[table["converged"] != 1]
     if len(missing):
         axes.plot(
             missing[x], np.full(len(missing), 1.03), linestyle="none", marker="v", color="0.4",
