@@ -1,7 +1,8 @@
 """The paper's figures 5a, 5b and 6 and its number of strips as studies: data, pictures, findings.
 
 Started by scripts/paper_studies, which sets the environment up. What is computed stays in
-results/studies/NAME and is not computed again.
+results/studies and is not computed again. Pictures, scalars and findings are made anew after every
+study, so that whatever ends the command leaves those of what is computed.
 """
 
 import argparse
@@ -11,12 +12,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import xarray as xr
-from studies.findings import model_findings, most_important, range_findings
+from studies.findings import (
+    conclusions,
+    model_findings,
+    no_points,
+    points_of,
+    range_findings,
+    spans_findings,
+)
 
 import bilayer
 from bilayer.figures import draw_quality_against, save_figure
+from bilayer.output_file import whole_file
 from bilayer.progress import progress_bar
+from bilayer.study.folder import StudyFolder
+from bilayer.study.index import write_index
 from bilayer.study.plan import StudyPlan, read_study
 from bilayer.study.run import run_study
 from bilayer.study_figure import draw_study
@@ -32,6 +44,8 @@ FIELDS = {
 MODELS = "models"
 NAMES = (*FIELDS, MODELS)
 SOLVERS = ("dshell", "fenics")
+SHAPES = ("position", "reference_position", "face_nodes", "region", "case_file")
+"""What is left out of the scalars: large, or a path of this machine."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -47,63 +61,86 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def run_studies(names: Sequence[str], solvers: Sequence[str], jobs: int | None = None) -> None:
-    """Compute what is missing, draw it, and write what all studies say."""
-    for name in names:
-        compute(name, solvers, jobs)
-        draw(name)
-    text = report()
-    (RESULTS / "findings.txt").write_text(text, encoding="utf-8")
+    """Compute what is missing, the quick solver first; draw it, and write what all studies say."""
+    for solver in solvers:
+        for name in names:
+            compute(name, solver, jobs)
+            text = report()
+            with whole_file(RESULTS / "findings.txt", "findings") as partial:
+                partial.write_text(text, encoding="utf-8")
     print(text, end="")
     print(f"Data, figures and these findings are in {RESULTS}")
 
 
-def compute(name: str, solvers: Sequence[str], jobs: int | None) -> None:
-    """Compute what a study lacks, of some of its solvers."""
-    plan = read_study(STUDIES / f"{name}.toml")
-    folder = RESULTS / name
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with progress_bar(name) as progress:
-        run_study(_only(plan, solvers), folder, jobs=jobs, progress=progress)
+def study_name(name: str, solver: str) -> str:
+    """Return the name of a study's file and folder: each solver has a grid of its own."""
+    return name if name == MODELS or solver == "dshell" else f"{name}_{solver}"
 
 
-def draw(name: str) -> None:
+def compute(name: str, solver: str, jobs: int | None) -> None:
+    """Compute what a study lacks of one solver; keep its scalars, and draw it."""
+    study = study_name(name, solver)
+    plan, folder = read_study(STUDIES / f"{study}.toml"), StudyFolder(RESULTS / study)
+    folder.path.parent.mkdir(parents=True, exist_ok=True)
+    with progress_bar(f"{name} {solver}") as progress:
+        run_study(_only(plan, solver), folder.path, jobs=jobs, progress=progress)
+    folder.keep_plan(plan)  # whole again: what the other solver computed counts, too
+    write_index(folder)
+    _keep_scalars(folder.path)
+    draw(name, solver)
+
+
+def draw(name: str, solver: str) -> None:
     """Draw what there is of a study."""
-    study = bilayer.open_study(RESULTS / name)
+    study = bilayer.open_study(RESULTS / study_name(name, solver))
     if name == MODELS:
         save_figure(draw_study(study, "prestretch", "quality", "model"), RESULTS / "models.png")
         _draw_figure_6(study)
         return
-    for solver in finished_solvers(study):
-        figure = draw_study(study, FIELDS[name], "quality", "prestretch", {"solver": solver})
-        save_figure(figure, RESULTS / f"{name}_{solver}.png")
+    figure = draw_study(study, FIELDS[name], "quality", "prestretch")
+    save_figure(figure, RESULTS / f"{name}_{solver}.png")
 
 
 def report() -> str:
     """Return what the studies that are there say of the paper's conclusions."""
-    there = {
-        name: bilayer.open_study(RESULTS / name)
-        for name in NAMES
-        if (RESULTS / name / "plan.json").exists()
-    }
-    ranges = {FIELDS[name]: study for name, study in there.items() if name in FIELDS}
-    lines = [line for field, study in ranges.items() for line in range_findings(study, field)]
-    lines += most_important(ranges)
-    if MODELS in there:
-        lines += model_findings(there[MODELS])
+    points = {field: _points(name, field) for name, field in FIELDS.items()}
+    lines = [line for field, table in points.items() for line in range_findings(table, field)]
+    lines += spans_findings(points)
+    models = _points(MODELS)
+    lines += model_findings(models)
+    lines += conclusions(points, models)
     return "\n".join(lines) + "\n"
 
 
-def finished_solvers(study: xr.Dataset) -> list[str]:
-    """Return the solvers of which a study holds results."""
-    solvers, files = study["solver"].values.ravel(), study["case_file"].values.ravel()
-    if solvers.size != files.size:  # a dimension of its own
-        files = study["case_file"].transpose("solver", ...).values.reshape(len(solvers), -1)
-        return [str(s) for s, of_one in zip(solvers, files, strict=True) if (of_one != "").any()]
-    return sorted({str(s) for s, file in zip(solvers, files, strict=True) if file})
+def _points(name: str, field: str | None = None) -> pd.DataFrame:
+    """Return the points of a study, of all solvers that are there."""
+    studies = dict.fromkeys(study_name(name, solver) for solver in SOLVERS)
+    there = [study for study in studies if _scalars_file(RESULTS / study).exists()]
+    tables = [points_of(_scalars(study), field) for study in there]
+    if not tables:
+        return no_points(field)
+    return pd.concat(tables, ignore_index=True)
 
 
-def _only(plan: StudyPlan, solvers: Sequence[str]) -> StudyPlan:
-    return replace(plan, cases=tuple(case for case in plan.cases if case.solver in solvers))
+def _scalars_file(folder: Path) -> Path:
+    return folder / "scalars.nc"
+
+
+def _keep_scalars(folder: Path) -> None:
+    """Write what a study says besides its shapes: small enough to be kept with the program."""
+    study = bilayer.open_study(folder)
+    scalars = study.drop_vars(SHAPES, errors="ignore").assign_attrs(study=folder.name)
+    with whole_file(_scalars_file(folder), "scalars of a study") as partial:
+        scalars.to_netcdf(partial)
+
+
+def _scalars(study: str) -> xr.Dataset:
+    with xr.open_dataset(_scalars_file(RESULTS / study)) as stored:
+        return stored.load()
+
+
+def _only(plan: StudyPlan, solver: str) -> StudyPlan:
+    return replace(plan, cases=tuple(case for case in plan.cases if case.solver == solver))
 
 
 def _draw_figure_6(study: xr.Dataset) -> None:
@@ -121,7 +158,8 @@ def _draw_figure_6(study: xr.Dataset) -> None:
 def _options(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="scripts/paper_studies",
-        description="The paper's figures 5a, 5b and 6 and its number of strips as studies.",
+        description="The paper's figures 5a, 5b and 6 and its number of strips as studies. "
+        "A second start goes on where the first one was ended.",
         epilog="example:\n  scripts/paper_studies cutout_angle --solver dshell",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -1,81 +1,247 @@
-"""What the studies say of the paper's conclusions, each with its numbers."""
+"""What the studies say of the paper's conclusions, each with its numbers.
+
+A point counts if a real specimen can show it: reached, stable, not passing through itself. What
+the others would show is unknown, so a conclusion that hangs on them is not decided.
+"""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.caveats import is_unstable, touches_itself
+
 PRESTRETCH = 1.15
-"""Where the fields are held against one another: between bending a little and curling up."""
+"""Where the values of a field are listed: between bending a little and curling up."""
 PAPER_BEST = 0.1
 """Section VI: "currently the best result I can get is 0.1"."""
 PAPER_SHIFT = 0.08
 """Section VII: the shell's quality "is about 0.08 behind that of the FEA results"."""
+ABOUT = 0.5
+"""How much of a number the paper's "about" may mean, here."""
+STRIPS = "cut.strips"
+SOLID = "solid"
+"""The model of the finite elements."""
+HOLDS, FAILS, OPEN = "holds", "does NOT hold", "CANNOT BE DECIDED"
 
 
-def sound_points(study: xr.Dataset, field: str | None = None) -> pd.DataFrame:
-    """Return the points that a real specimen can show: reached, stable, not through itself."""
-    names = ["quality", "converged", "unstable_modes", "self_contact_gap"]
-    table = study[names].to_dataframe().reset_index()
-    sound = table[
-        (table["converged"] == 1) & (table["unstable_modes"] <= 0) & (table["self_contact_gap"] > 0)
-    ]
-    columns = ["solver", "model", "prestretch", *([] if field is None else [field]), "quality"]
-    return sound[columns]
+def points_of(study: xr.Dataset, field: str | None = None) -> pd.DataFrame:
+    """Return every computed point of a study, and whether it is sound.
+
+    Columns: solver, model, prestretch, the field, quality, why (empty where it is sound), sound.
+    """
+    like = study["converged"]
+    judged = study[["quality", "converged"]].assign(
+        unstable=like.copy(data=is_unstable(study)), touches=like.copy(data=touches_itself(study))
+    )
+    table = judged.to_dataframe().reset_index()
+    table = table[table["converged"].notna()]
+    against = [table["converged"] != 1, table["unstable"], table["touches"]]
+    table["why"] = np.select(against, ["not reached", "unstable", "touches itself"], "")
+    table["sound"] = table["why"] == ""
+    table["prestretch"] = table["prestretch"].round(9)
+    return table[_columns(field)]
 
 
-def range_findings(study: xr.Dataset, field: str) -> list[str]:
-    """Say how far the quality moves with one field, and where it is best."""
+def no_points(field: str | None = None) -> pd.DataFrame:
+    """Return the table of `points_of` for a study that is not there."""
+    return pd.DataFrame(columns=_columns(field)).astype({"quality": float, "sound": bool})
+
+
+def _columns(field: str | None) -> list[str]:
+    named = [] if field is None else [field]
+    return ["solver", "model", "prestretch", *named, "quality", "why", "sound"]
+
+
+def range_findings(points: pd.DataFrame, field: str) -> list[str]:
+    """Say how far the quality moves with one field, and whether it has an optimum."""
     lines = [f"quality over {field}"]
-    points = sound_points(study, field)
     for solver, of_one in points.groupby("solver"):
-        best = of_one.loc[of_one["quality"].idxmin()]
-        lines.append(
-            f"  {solver}: best {best['quality']:.3f} at {field} = {best[field]:g}, prestretch "
-            f"{best['prestretch']:g} (the paper's best: {PAPER_BEST}); "
-            f"{len(of_one)} sound points"
+        lines.append(f"  {solver}: {_counted(of_one)}")
+        at = of_one[np.isclose(of_one["prestretch"], PRESTRETCH)].sort_values(field)
+        values = ", ".join(
+            f"{row[field]:g}: " + (f"{row['quality']:.3f}" if row["sound"] else f"({row['why']})")
+            for _, row in at.iterrows()
         )
-        at = of_one[np.isclose(of_one["prestretch"], PRESTRETCH)]
-        values = ", ".join(f"{x:g}: {q:.3f}" for x, q in zip(at[field], at["quality"], strict=True))
-        lines.append(f"  {solver}, prestretch {PRESTRETCH}: {values or 'no sound point'}")
+        lines.append(f"  {solver}, prestretch {PRESTRETCH}: {values}")
+        lines.append(f"  {solver}: {_best(of_one, field)}")
     return [*lines, ""]
 
 
-def most_important(studies: Mapping[str, xr.Dataset]) -> list[str]:
-    """Say whether the number of strips moves the quality most, the paper's first conclusion."""
-    rows = []
-    for field, study in studies.items():
-        points = sound_points(study, field)
-        at = points[np.isclose(points["prestretch"], PRESTRETCH)]
-        rows += [
-            {"solver": solver, "field": field, "range": float(np.ptp(of_one["quality"]))}
-            for solver, of_one in at.groupby("solver")
-        ]
-    lines = []
-    for solver, ranges in pd.DataFrame(rows, columns=["solver", "field", "range"]).groupby(
-        "solver"
-    ):
-        by_size = ranges.sort_values("range", ascending=False)
-        listed = ", ".join(
-            f"{row.field} {row.range:.3f}" for row in by_size.itertuples(index=False)
-        )
-        lines.append(f"{solver}, range of the quality at prestretch {PRESTRETCH}: {listed}")
-        if set(by_size["field"]) >= {"cut.strips", "cut.cutout_angle", "cut.inner_radius"}:
-            holds = "holds" if by_size["field"].iloc[0] == "cut.strips" else "does NOT hold"
-            lines.append(f"  the paper's 'the number of the strips is the most important': {holds}")
+def spans_findings(points: Mapping[str, pd.DataFrame]) -> list[str]:
+    """List how far the quality moves with each field at each prestretch."""
+    lines = ["range of the quality over each field (sound points of all; at most, with all)"]
+    for solver in _solvers(points):
+        for stretch, spans in _spans(points, solver).items():
+            words = "; ".join(f"{name} {span}" for name, span in spans.items())
+            lines.append(f"  {solver}, prestretch {stretch:g}: {words}: {_strips_verdict(spans)}")
     return [*lines, ""]
 
 
-def model_findings(study: xr.Dataset) -> list[str]:
-    """Say how far each shell model's quality is from that of the finite elements."""
-    table = sound_points(study).pivot_table(index="prestretch", columns="model", values="quality")
-    lines = ["quality of each model over the prestretch", table.round(3).to_string()]
-    if "solid" in table:
-        for model in table.columns.drop("solid"):
-            shift = float((table["solid"] - table[model]).mean())
-            lines.append(
-                f"  {model}: {shift:+.3f} in the mean to the finite elements' "
-                f"(the paper's shell: {PAPER_SHIFT} below)"
-            )
+def conclusions(points: Mapping[str, pd.DataFrame], models: pd.DataFrame) -> list[str]:
+    """Say of each of the paper's conclusions, in a line for each solver, whether it holds.
+
+    Parameters
+    ----------
+    points : mapping of str to DataFrame
+        The points of the study over each field, see `points_of`.
+    models : DataFrame
+        Those of the study of all models, which may be empty.
+    """
+    lines = ["the paper's conclusions"]
+    solvers = _solvers(points)
+    for solver in solvers:
+        claim = "the number of the strips is the most important"
+        lines.append(f"  {claim}, {solver}: {most_important(points, solver)}")
+    for field, table in points.items():
+        if field != STRIPS:
+            lines += [
+                f"  {field} has an optimum, {solver}: "
+                f"{optimum(table[table['solver'] == solver], field)}"
+                for solver in solvers
+            ]
+    for model in sorted(set(models["model"]) - {SOLID}):
+        claim = f"the shell is about {PAPER_SHIFT} below the finite elements (figure 6)"
+        lines.append(f"  {claim}, {model}: {shift_verdict(models, model)}")
     return lines
+
+
+def most_important(points: Mapping[str, pd.DataFrame], solver: str) -> str:
+    """Say where the number of strips moves the quality most, the paper's first conclusion.
+
+    Each field's range of the quality is known between that of its sound points and that of all
+    its points. Only where these bounds leave no doubt is there a verdict.
+    """
+    by_verdict: dict[str, list[str]] = {HOLDS: [], FAILS: [], OPEN: []}
+    for stretch, spans in _spans(points, solver).items():
+        by_verdict[_strips_verdict(spans)].append(f"{stretch:g}")
+    said = "; ".join(f"{v} at prestretch {', '.join(at)}" for v, at in by_verdict.items() if at)
+    return said or f"{OPEN}, a study is missing"
+
+
+def optimum(points: pd.DataFrame, field: str) -> str:
+    """Say whether the best sound point lies between two that are sound and worse."""
+    if not points["sound"].any():
+        return f"{OPEN}, no sound point"
+    best, row = _best_row(points, field)
+    place = row.index.get_loc(best.name)
+    near = row.iloc[max(place - 1, 0) : place + 2]
+    against = near["why"][~near["sound"]]
+    counted = (
+        f"{row['sound'].sum()} sound points of {len(row)} at prestretch {best['prestretch']:g}"
+    )
+    if len(against):
+        return f"{OPEN}, a point beside the best: {against.iloc[0]} ({counted})"
+    if (row["quality"] < best["quality"]).any():
+        return f"{OPEN}, a point that is not sound is better ({counted})"
+    if place in (0, len(row) - 1):
+        return f"{FAILS}, the best, {best[field]:g}, is an end of the interval ({counted})"
+    return f"{HOLDS}, {best[field]:g} ({counted})"
+
+
+def shift_verdict(points: pd.DataFrame, model: str) -> str:
+    """Say whether a shell is below the finite elements by about what the paper's was."""
+    below = _below(points, model)
+    counted = f"{len(below)} prestretches of {points['prestretch'].nunique()} with sound points"
+    if below.empty:
+        return f"{OPEN}, {counted} of both"
+    mean, largest = float(below.mean()), float(below.abs().max())
+    verdict = HOLDS if abs(mean - PAPER_SHIFT) <= ABOUT * PAPER_SHIFT else FAILS
+    return f"{verdict}, {mean:+.3f} below in the mean, {largest:.3f} apart at most ({counted})"
+
+
+@dataclass(frozen=True)
+class Span:
+    """How far the quality moves over a field, as far as that is known.
+
+    `least` is over the sound points. `most` is over all, or 1 where one was not reached.
+    """
+
+    least: float
+    most: float
+    sound: int
+    count: int
+
+    @classmethod
+    def of(cls, points: pd.DataFrame) -> "Span":
+        sound = points["quality"][points["sound"]]
+        reached = points["why"] != "not reached"
+        least = float(np.ptp(sound)) if len(sound) else 0.0
+        most = float(np.ptp(points["quality"])) if reached.all() and len(points) else 1.0
+        return cls(least, most, len(sound), len(points))
+
+    def __str__(self) -> str:
+        most = "" if self.most == self.least else f"; at most {self.most:.3f}"
+        return f"{self.least:.3f} ({self.sound} of {self.count}{most})"
+
+
+def model_findings(points: pd.DataFrame) -> list[str]:
+    """List the quality of every model where it is sound."""
+    table = _sound_table(points).round(3).to_string(na_rep="-")
+    return [
+        "quality of each model over the prestretch, sound points",
+        *("  " + line for line in table.splitlines()),
+        "",
+    ]
+
+
+def _counted(points: pd.DataFrame) -> str:
+    excluded = points["why"][~points["sound"]].value_counts()
+    left = ", ".join(f"{count} {why}" for why, count in excluded.items())
+    return f"{points['sound'].sum()} sound points of {len(points)}" + (f" ({left})" if left else "")
+
+
+def _best_row(points: pd.DataFrame, field: str) -> tuple[pd.Series, pd.DataFrame]:
+    """Return the best sound point and all points of its prestretch, along the field."""
+    sound = points[points["sound"]]
+    best = sound.loc[sound["quality"].idxmin()]
+    return best, points[points["prestretch"] == best["prestretch"]].sort_values(field)
+
+
+def _best(points: pd.DataFrame, field: str) -> str:
+    if not points["sound"].any():
+        return "no sound point"
+    best, _ = _best_row(points, field)
+    return (
+        f"best {best['quality']:.3f} at {field} = {best[field]:g}, prestretch "
+        f"{best['prestretch']:g} (the paper's best: {PAPER_BEST})"
+    )
+
+
+def _solvers(points: Mapping[str, pd.DataFrame]) -> list[str]:
+    return sorted({solver for table in points.values() for solver in table["solver"]})
+
+
+def _spans(points: Mapping[str, pd.DataFrame], solver: str) -> dict[float, dict[str, Span]]:
+    """Return the span over each field, at the prestretches that all fields have."""
+    of_one = {name: table[table["solver"] == solver] for name, table in points.items()}
+    common = set.intersection(*(set(table["prestretch"]) for table in of_one.values()))
+    return {
+        stretch: {
+            name: Span.of(table[table["prestretch"] == stretch]) for name, table in of_one.items()
+        }
+        for stretch in sorted(common)
+    }
+
+
+def _strips_verdict(spans: Mapping[str, Span]) -> str:
+    strips = spans[STRIPS]
+    others = [span for name, span in spans.items() if name != STRIPS]
+    if strips.least > max(span.most for span in others):
+        return HOLDS
+    if strips.most < max(span.least for span in others):
+        return FAILS
+    return OPEN
+
+
+def _sound_table(points: pd.DataFrame) -> pd.DataFrame:
+    sound = points[points["sound"]]
+    return sound.pivot_table(index="prestretch", columns="model", values="quality")
+
+
+def _below(points: pd.DataFrame, model: str) -> pd.Series:
+    """Return the finite elements' quality less a shell's, where both are sound."""
+    table = _sound_table(points).reindex(columns=[SOLID, model])
+    return (table[SOLID] - table[model]).dropna()

@@ -4,10 +4,20 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import paper_studies
 import pytest
 import xarray as xr
-from studies.findings import most_important, range_findings, sound_points
+from studies.findings import (
+    conclusions,
+    most_important,
+    no_points,
+    optimum,
+    points_of,
+    range_findings,
+    shift_verdict,
+    spans_findings,
+)
 from studies.sensitivity import STEP, morphed, parameters
 
 import bilayer
@@ -36,30 +46,115 @@ def made_study(field, values, quality):
     )
 
 
+@pytest.mark.parametrize("solver", paper_studies.SOLVERS)
 @pytest.mark.parametrize("name", paper_studies.NAMES)
-def test_every_study_file_is_valid_and_has_both_solvers(name):
-    plan = read_study(paper_studies.STUDIES / f"{name}.toml")
-    assert {case.solver for case in plan.cases} == {"dshell", "fenics"}
-    assert {len(case.specimen.prestretch.milestones) for case in plan.cases} == {8}
+def test_every_study_file_is_valid_and_has_its_solver(name, solver):
+    plan = read_study(paper_studies.STUDIES / f"{paper_studies.study_name(name, solver)}.toml")
+    assert solver in {case.solver for case in plan.cases}
+
+
+@pytest.mark.parametrize("name", paper_studies.FIELDS)
+def test_the_finite_elements_have_points_and_ends_of_the_shells_grid(name):
+    field = paper_studies.FIELDS[name]
+    shell, solid = (
+        sorted(case.values[field] for case in read_study(file).cases)
+        for file in (
+            paper_studies.STUDIES / f"{paper_studies.study_name(name, solver)}.toml"
+            for solver in paper_studies.SOLVERS
+        )
+    )
+    assert set(solid) <= set(shell)
+    assert (solid[0], solid[-1]) == (shell[0], shell[-1])
+
+
+def judged(field, values, **change):
+    """The points of a made study, changed at some places: {name: {place: value}}."""
+    study = made_study(field, list(range(3, 3 + len(values))), values)
+    for name, places in change.items():
+        for place, value in places.items():
+            study[name][place] = value
+    return points_of(study, field)
+
+
+def said_of_optimum(**change):
+    return optimum(judged("cut.strips", [0.3, 0.1, 0.4], **change), "cut.strips")
 
 
 def test_only_points_of_real_specimens_count():
-    study = made_study("cut.strips", [3, 4, 5, 6], [0.1, 0.2, 0.3, 0.4])
-    study["unstable_modes"][0] = 1
-    study["self_contact_gap"][1] = 0.0
-    study["converged"][2] = 0
-    assert sound_points(study)["quality"].tolist() == [0.4]
-    assert "best 0.400 at cut.strips = 6" in "\n".join(range_findings(study, "cut.strips"))
+    points = judged(
+        "cut.strips",
+        [0.1, 0.2, 0.3, 0.4],
+        unstable_modes={0: 1},
+        self_contact_gap={1: 0.0},
+        converged={2: 0},
+    )
+    assert points["quality"][points["sound"]].tolist() == [0.4]
+    said = "\n".join(range_findings(points, "cut.strips"))
+    assert "1 sound points of 4 (1 unstable, 1 touches itself, 1 not reached)" in said
+    assert "best 0.400 at cut.strips = 6" in said
 
 
-@pytest.mark.parametrize(("strips", "verdict"), [([0.2, 0.9], "holds"), ([0.2, 0.3], "NOT hold")])
-def test_the_first_conclusion_is_judged_by_the_ranges(strips, verdict):
-    studies = {
-        "cut.strips": made_study("cut.strips", [3, 4], strips),
-        "cut.cutout_angle": made_study("cut.cutout_angle", [0.3, 0.4], [0.2, 0.6]),
-        "cut.inner_radius": made_study("cut.inner_radius", [0.01, 0.02], [0.2, 0.4]),
+def test_an_optimum_lies_between_sound_points_that_are_worse():
+    assert said_of_optimum() == "holds, 4 (3 sound points of 3 at prestretch 1.15)"
+    beside = said_of_optimum(unstable_modes={2: 1})
+    assert beside.startswith("CANNOT BE DECIDED, a point beside the best: unstable (2 sound")
+    at_the_end = said_of_optimum(quality={0: 0.05})
+    assert at_the_end.startswith("does NOT hold, the best, 3, is an end of the interval")
+    far = judged("cut.strips", [0.4, 0.1, 0.4, 0.05], unstable_modes={3: 1})
+    assert "not sound is better (3 sound points of 4" in optimum(far, "cut.strips")
+    assert "no sound point" in said_of_optimum(converged={0: 0, 1: 0, 2: 0})
+
+
+def verdict(strips=(0.2, 0.9), **change):
+    """The verdict beside an angle's range of 0.4 and a radius' of 0.2, and the ranges."""
+    points = {
+        "cut.strips": judged("cut.strips", [*strips, 0.5]),
+        "cut.cutout_angle": judged("cut.cutout_angle", [0.2, 0.6, 0.3], **change),
+        "cut.inner_radius": judged("cut.inner_radius", [0.2, 0.4]),
     }
-    assert verdict in "\n".join(most_important(studies))
+    return most_important(points, "dshell"), "\n".join(spans_findings(points))
+
+
+def test_the_first_conclusion_is_judged_by_the_ranges():
+    said, ranges = verdict()
+    assert said == "holds at prestretch 1.15"
+    assert "cut.cutout_angle 0.400 (3 of 3)" in ranges
+    assert verdict(strips=(0.3, 0.4))[0] == "does NOT hold at prestretch 1.15"
+
+
+def test_the_first_conclusion_is_open_where_a_point_that_does_not_count_could_turn_it():
+    said, ranges = verdict(strips=(0.4, 0.7), unstable_modes={1: 1})
+    assert "cut.cutout_angle 0.100 (2 of 3; at most 0.400)" in ranges
+    assert said == "CANNOT BE DECIDED at prestretch 1.15"
+    said, ranges = verdict(converged={1: 0}, quality={1: np.nan})
+    assert "at most 1.000" in ranges
+    assert said == "CANNOT BE DECIDED at prestretch 1.15"
+    assert verdict(unstable_modes={2: 1})[0] == "holds at prestretch 1.15"
+
+
+@pytest.mark.parametrize(("below", "said"), [(0.08, "holds"), (0.0, "does NOT hold")])
+def test_the_shell_is_held_against_the_paper_s_shift(below, said):
+    solid, shell = (
+        judged("cut.strips", [quality]).assign(model=model)
+        for quality, model in ((0.5, "solid"), (0.5 - below, "paper"))
+    )
+    points = pd.concat([solid, shell])
+    assert shift_verdict(points, "paper").startswith(f"{said}, {below:+.3f} below in the mean")
+    assert "0 prestretches of 1" in shift_verdict(points.assign(sound=False), "paper")
+
+
+def test_every_conclusion_has_a_line_for_each_solver():
+    fields = ("cut.strips", "cut.cutout_angle", "cut.inner_radius")
+    points = {field: judged(field, [0.3, 0.1, 0.4]) for field in fields}
+    lines = conclusions(points, judged("cut.strips", [0.5]))
+    assert [line.partition(": ")[0] for line in lines[1:]] == [
+        "  the number of the strips is the most important, dshell",
+        "  cut.cutout_angle has an optimum, dshell",
+        "  cut.inner_radius has an optimum, dshell",
+        "  the shell is about 0.08 below the finite elements (figure 6), morley",
+    ]
+    nothing = {field: no_points(field) for field in fields}
+    assert conclusions(nothing, no_points()) == ["the paper's conclusions"]
 
 
 @pytest.mark.parametrize("name", ["specimen.outer_radius", "cut.inner_radius", "cut.cutout_angle"])
