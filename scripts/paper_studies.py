@@ -50,7 +50,6 @@ SHAPES = ("position", "reference_position", "face_nodes", "region", "case_file")
 
 def main(words: Sequence[str] | None = None) -> int:
     options = _options(words)
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         run_studies([one_of("STUDY", name, NAMES) for name in options.study] or NAMES,
                     options.solver or SOLVERS, options.jobs)  # fmt: skip
@@ -62,6 +61,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def run_studies(names: Sequence[str], solvers: Sequence[str], jobs: int | None = None) -> None:
     """Compute what is missing, the quick solver first; draw it, and write what all studies say."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # for the processes of the cases
     for solver in solvers:
         for name in names:
             compute(name, solver, jobs)
