@@ -25,6 +25,16 @@ from bilayer.study.plan import read_study
 
 COARSE = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(0.01)).with_milestones([1.03])
 
+TINY = """
+specimen = "specimen.toml"
+solver = "dshell"
+[settings.dshell]
+model = "paper"
+total_time = 0.002
+[vary]
+"cut.strips" = [4, 5]
+"""
+
 
 def made_study(field, values, quality):
     """A study of one solver over one field at prestretch 1.15, all sound."""
@@ -65,6 +75,25 @@ def test_the_finite_elements_have_points_and_ends_of_the_shells_grid(name):
     )
     assert set(solid) <= set(shell)
     assert (solid[0], solid[-1]) == (shell[0], shell[-1])
+
+
+def test_what_is_computed_is_kept_drawn_and_told_and_not_computed_again(tmp_path, monkeypatch):
+    specimen = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(0.016))
+    text = bilayer.specimen_to_toml(specimen.with_milestones([1.03]))
+    (tmp_path / "specimen.toml").write_text(text)
+    (tmp_path / "strips.toml").write_text(TINY)
+    monkeypatch.setattr(paper_studies, "STUDIES", tmp_path)
+    monkeypatch.setattr(paper_studies, "RESULTS", tmp_path / "results")
+    for _ in range(2):
+        paper_studies.run_studies(["strips"], ["dshell"], jobs=1)
+    there = tmp_path / "results"
+    assert (there / "strips_dshell.png").exists()
+    told = (there / "findings.txt").read_text()
+    assert "the most important, dshell: CANNOT BE DECIDED, a study is missing" in told
+    with xr.open_dataset(there / "strips" / "scalars.nc") as scalars:
+        assert scalars["quality"].sizes == {"cut.strips": 2, "prestretch": 1}
+    assert str(tmp_path).encode() not in (there / "strips" / "scalars.nc").read_bytes()
+    assert (there / "strips" / "study.log").read_text().count("begun") == 2
 
 
 def judged(field, values, **change):
