@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
+from bilayer.bent_back import Balls, Places, bent_back_pairs
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
 from bilayer.surface import Surface, flat_surface
@@ -22,11 +22,6 @@ from bilayer.triangle_distance import triangle_distance
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-BENT_BACK = 0.5
-"""Two places are bent back onto each other when nearer than this share of their natural distance.
-
-An arc of a circle is that short from a turn of 217 degrees on.
-"""
 REACH = 1.0
 """Gaps are measured up to this many bonded thicknesses of both layers together."""
 TOUCHING = 1e-6
@@ -181,21 +176,17 @@ def _walls(mesh: PlanarMesh, faces: Indices, lower: int, upper: int) -> tuple[In
 
 
 def _bent_back_pairs(body: BondedBody, interface: Surface, skin: Skin) -> Indices:
-    """Return pairs of the skin's triangles that are within reach and bent back, (k, 2).
-
-    Neighbours on the mesh, which share a node, are no pair: they always touch.
-    """
-    corners = skin.surface.corners
-    within = body.reach + 2 * _radii(corners).max()
-    near = KDTree(corners.mean(axis=1)).query_pairs(within, output_type="ndarray")
-    one, other = skin.face[near].T
-    flat, now = (s.corners.mean(axis=1) for s in (flat_surface(body.mesh), interface))
-    natural = body.shrinkage * _apart(flat, one, other)
-    bent_back = _apart(now, one, other) < BENT_BACK * natural
-    near, nodes = near[bent_back], body.mesh.triangles
-    one, other = nodes[skin.face[near]].swapaxes(0, 1)
-    neighbours = (one[:, :, None] == other[:, None]).any(axis=(1, 2))
-    return near[~neighbours]
+    """Return pairs of the skin's triangles that are bent back, (k, 2), the nearest among them."""
+    flat = flat_surface(body.mesh)
+    natural, chord = (s.corners.mean(axis=1)[skin.face] for s in (flat, interface))
+    corners, points = skin.surface.corners, np.zeros(len(skin.face))
+    places = Places(
+        Balls(body.shrinkage * natural, points),
+        Balls(chord, points),
+        Balls(corners.mean(axis=1), _radii(corners)),
+    )
+    bonded = skin_of(body, flat).surface.corners.mean(axis=1)
+    return bent_back_pairs(places, bonded, body.mesh.triangles[skin.face], body.reach)
 
 
 def _apart(points: Array, one: Indices, other: Indices) -> Array:
