@@ -151,6 +151,8 @@ def _draw_figure_6(study: xr.Dataset) -> None:
         return
     reference = bilayer.open_result(files["solid"])
     for model in ("morley", "hinge", "paper"):
+        if not files.get(model):
+            continue
         figure = draw_quality_against(bilayer.open_result(files[model]), reference)
         save_figure(figure, RESULTS / f"{model}_against_fenics.png")
 

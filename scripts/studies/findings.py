@@ -72,7 +72,10 @@ def range_findings(points: pd.DataFrame, field: str) -> list[str]:
 
 def spans_findings(points: Mapping[str, pd.DataFrame]) -> list[str]:
     """List how far the quality moves with each field at each prestretch."""
-    lines = ["range of the quality over each field (sound points of all; at most, with all)"]
+    lines = [
+        "range of the quality over each field, in the intervals of scripts/studies, as the paper "
+        "prints none (sound points of all; at most, with all)"
+    ]
     for solver in _solvers(points):
         for stretch, spans in _spans(points, solver).items():
             words = "; ".join(f"{name} {span}" for name, span in spans.items())
@@ -103,7 +106,10 @@ def conclusions(points: Mapping[str, pd.DataFrame], models: pd.DataFrame) -> lis
                 for solver in solvers
             ]
     for model in sorted(set(models["model"]) - {SOLID}):
-        claim = f"the shell is about {PAPER_SHIFT} below the finite elements (figure 6)"
+        claim = (
+            f"the shell is about {PAPER_SHIFT} (by half of it more or less) below the finite "
+            "elements (figure 6)"
+        )
         lines.append(f"  {claim}, {model}: {shift_verdict(models, model)}")
     return lines
 
@@ -142,14 +148,25 @@ def optimum(points: pd.DataFrame, field: str) -> str:
 
 
 def shift_verdict(points: pd.DataFrame, model: str) -> str:
-    """Say whether a shell is below the finite elements by about what the paper's was."""
-    below = _below(points, model)
-    counted = f"{len(below)} prestretches of {points['prestretch'].nunique()} with sound points"
-    if below.empty:
+    """Say whether a shell is below the finite elements by about what the paper's was.
+
+    Not decided where the points that do not count would turn it, or were not reached.
+    """
+    sound, computed = _below(points[points["sound"]], model), _below(points, model)
+    count = points["prestretch"].nunique()
+    counted = f"{len(sound)} prestretches of {count} with sound points"
+    if sound.empty:
         return f"{OPEN}, {counted} of both"
-    mean, largest = float(below.mean()), float(below.abs().max())
-    verdict = HOLDS if abs(mean - PAPER_SHIFT) <= ABOUT * PAPER_SHIFT else FAILS
-    return f"{verdict}, {mean:+.3f} below in the mean, {largest:.3f} apart at most ({counted})"
+    mean, largest = float(sound.mean()), float(sound.abs().max())
+    verdict, with_all = _about_the_papers(mean), _about_the_papers(float(computed.mean()))
+    measured = f"{mean:+.3f} below in the mean, {largest:.3f} apart at most ({counted}"
+    if verdict == with_all and len(computed) == count:
+        return f"{verdict}, {measured})"
+    return f"{OPEN}, {measured}; {float(computed.mean()):+.3f} with all {len(computed)} reached)"
+
+
+def _about_the_papers(mean: float) -> str:
+    return HOLDS if abs(mean - PAPER_SHIFT) <= ABOUT * PAPER_SHIFT else FAILS
 
 
 @dataclass(frozen=True)
@@ -179,7 +196,7 @@ class Span:
 
 def model_findings(points: pd.DataFrame) -> list[str]:
     """List the quality of every model where it is sound."""
-    table = _sound_table(points).round(3).to_string(na_rep="-")
+    table = _by_model(points[points["sound"]]).round(3).to_string(na_rep="-")
     return [
         "quality of each model over the prestretch, sound points",
         *("  " + line for line in table.splitlines()),
@@ -236,12 +253,11 @@ def _strips_verdict(spans: Mapping[str, Span]) -> str:
     return OPEN
 
 
-def _sound_table(points: pd.DataFrame) -> pd.DataFrame:
-    sound = points[points["sound"]]
-    return sound.pivot_table(index="prestretch", columns="model", values="quality")
-
-
 def _below(points: pd.DataFrame, model: str) -> pd.Series:
-    """Return the finite elements' quality less a shell's, where both are sound."""
-    table = _sound_table(points).reindex(columns=[SOLID, model])
+    """Return the finite elements' quality less a shell's, where there are both."""
+    table = _by_model(points).reindex(columns=[SOLID, model])
     return (table[SOLID] - table[model]).dropna()
+
+
+def _by_model(points: pd.DataFrame) -> pd.DataFrame:
+    return points.pivot_table(index="prestretch", columns="model", values="quality")
