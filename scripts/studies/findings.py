@@ -140,6 +140,8 @@ def optimum(points: pd.DataFrame, field: str) -> str:
     )
     if len(against):
         return f"{OPEN}, a point beside the best: {against.iloc[0]} ({counted})"
+    if (row["why"] == "not reached").any():
+        return f"{OPEN}, a point was not reached ({counted})"
     if (row["quality"] < best["quality"]).any():
         return f"{OPEN}, a point that is not sound is better ({counted})"
     if place in (0, len(row) - 1):

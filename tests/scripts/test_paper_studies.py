@@ -131,6 +131,8 @@ def test_an_optimum_lies_between_sound_points_that_are_worse():
     assert at_the_end.startswith("does NOT hold, the best, 3, is an end of the interval")
     far = judged("cut.strips", [0.4, 0.1, 0.4, 0.05], unstable_modes={3: 1})
     assert "not sound is better (3 sound points of 4" in optimum(far, "cut.strips")
+    unknown = judged("cut.strips", [0.4, 0.1, 0.4, np.nan], converged={3: 0})
+    assert "a point was not reached (3 sound points of 4" in optimum(unknown, "cut.strips")
     assert "no sound point" in said_of_optimum(converged={0: 0, 1: 0, 2: 0})
 
 
