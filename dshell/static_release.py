@@ -71,11 +71,14 @@ class Equilibrium:
         All degrees of freedom, m.
     residual : float
         Norm of the residual force over that of the flat state.
+    unstable_modes : int or None
+        How many it has; None where nobody has counted them.
     """
 
     stretch: Stretch
     state: Array
     residual: float = 0.0
+    unstable_modes: int | None = None
 
 
 class StaticRelease:
@@ -199,9 +202,14 @@ class StaticRelease:
             iterations=iterations,
             load_steps=load_steps,
             residual=here.residual,
-            unstable_modes=self._solver.unstable_modes(self._body(stretch), state),
+            unstable_modes=self._unstable_modes(here),
             wall_time=wall_time,
         )
+
+    def _unstable_modes(self, here: Equilibrium) -> int:
+        if here.unstable_modes is not None:
+            return here.unstable_modes
+        return self._solver.unstable_modes(self._body(here.stretch), here.state)
 
     def _equilibrium(self, here: Equilibrium, stretch: Stretch) -> Equilibrium | Outcome:
         """Settle at a prestretch; return the outcome as it is where that fails."""
@@ -210,15 +218,23 @@ class StaticRelease:
         tolerance = self._settings.tolerance * scale
         limits = NewtonLimits(tolerance, self._settings.max_iterations, self._longest_step)
         outcome = self._counted(self._ramp(here.stretch, body, stretch), here.state, limits)
+        unstable = self._unstable_at_end(body, outcome)
         for _ in range(ESCAPES):
-            if not outcome.converged or self._solver.unstable_modes(body, outcome.state) == 0:
+            if not unstable:
                 break
             away = self._escape * self._solver.unstable_direction(body, outcome.state)
             outcome = self._counted([body], outcome.state + away, limits)
+            unstable = self._unstable_at_end(body, outcome)
         self._load_steps += 1
         if not outcome.converged:
             return outcome
-        return Equilibrium(stretch, outcome.state, outcome.residual / scale)
+        return Equilibrium(stretch, outcome.state, outcome.residual / scale, unstable)
+
+    def _unstable_at_end(self, body: Body, outcome: Outcome) -> int | None:
+        """Return the number of unstable modes of an equilibrium, None where there is none."""
+        if not outcome.converged:
+            return None
+        return self._solver.unstable_modes(body, outcome.state)
 
     def _ramp(self, start: Stretch, body: Body, end: Stretch) -> list[Body]:
         """Return the shell on its way to a prestretch, one body per iteration, and at its end."""

@@ -6,6 +6,7 @@ import pytest
 from dshell import HingeSettings, static_release
 from dshell.assembly import Assembly
 from dshell.edge_springs import EdgeSprings
+from dshell.hinge_model import HingeModel
 from dshell.hinges import Hinges
 from dshell.linear_solver import SuperLUSolver, best_linear_solver
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits
@@ -85,3 +86,21 @@ def test_an_unstable_equilibrium_is_left(
     assert reason == ""
     assert (states[0].unstable_modes == 0) == is_stable
     assert (np.ptp(states[0].position[:, 2]) > 1e-3) == is_stable
+
+
+def test_an_equilibrium_counts_its_unstable_modes_once(coarse_specimen, coarse_mesh, monkeypatch):
+    counted = []
+    count = EquilibriumSolver.unstable_modes
+
+    def counting(solver, body, state):
+        counted.append(count(solver, body, state))
+        return counted[-1]
+
+    monkeypatch.setattr(EquilibriumSolver, "unstable_modes", counting)
+    specimen = coarse_specimen.with_milestones([1.03, 1.05])
+    path = static_release.StaticRelease(
+        specimen, coarse_mesh, HingeModel(specimen, coarse_mesh), HingeSettings(),
+        best_linear_solver(),
+    )  # fmt: skip
+    states, _ = static_release.visit_milestones(specimen, path, None, None)
+    assert [state.unstable_modes for state in states] == counted
