@@ -22,12 +22,22 @@ def released(strips, milestones, size):
     return result
 
 
+def extents_ratio(result):
+    """Longer over shorter principal extent at each milestone, over that of the flat mesh.
+
+    The largest two singular values do not mind about which axis the disc rolls up.
+    """
+    shapes = np.concatenate([result.reference_position.values[None], result.position.values])
+    extents = np.linalg.svd(shapes - shapes.mean(axis=1, keepdims=True), compute_uv=False)
+    ratio = extents[:, 0] / extents[:, 1]
+    return ratio[1:] / ratio[0]
+
+
 def test_uncut_disc_goes_from_a_cap_to_a_cylinder():
     result = released(0, [1.005, 1.007, 1.008, 1.01, 1.03], 0.008)
-    horizontal = np.sort(result.span.values, axis=1)[:, 1:]
     round_cap = result.prestretch.values < THRESHOLD
-    ratio = horizontal[:, 1] / horizontal[:, 0]
-    assert np.all(ratio[round_cap] < 1.01)
+    ratio = extents_ratio(result)
+    assert np.all(ratio[round_cap] < 1.001)
     assert np.all(np.diff(ratio[~round_cap]) > 0)
     assert ratio[-1] > 1.1
     assert result.iterations.values.max() < FEW
@@ -36,8 +46,7 @@ def test_uncut_disc_goes_from_a_cap_to_a_cylinder():
 @pytest.mark.parametrize("stretch", [1.008, 1.03, 1.06])
 def test_uncut_disc_in_one_step_beyond_the_loss_of_symmetry(stretch):
     result = released(0, [stretch], 0.008)
-    _, width, length = np.sort(result.span.values[0])
-    assert length > 1.002 * width
+    assert extents_ratio(result)[0] > 1.002
 
 
 def test_seven_strips_roll_up():
