@@ -50,7 +50,10 @@ def paired_triangles(mesh: PlanarMesh) -> dict[int, tuple[Cells, Cells]]:
                 for region, surface in surfaces.items()
             }  # fmt: skip
         except Exception as error:  # gmsh raises bare Exceptions
-            raise ComputationError(f"gmsh could not pair the triangles: {error}") from error
+            raise ComputationError(
+                f"gmsh could not pair the triangles ({error}): take another mesh size, or wedges "
+                "with --set solver.element=wedge"
+            ) from error
 
 
 def _cells(gmsh: Any, surface: int, kind: int, corners: int) -> Cells:
