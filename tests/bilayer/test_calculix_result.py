@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hexagon import hexagon_mesh, hexagon_specimen
 
-from bilayer import InputError, open_result, solve, specimen_to_toml, write_planar_mesh
+from bilayer import InputError, open_result, specimen_to_toml, write_planar_mesh
 from bilayer.abaqus_deck import held_nodes
 from bilayer.calculix_files import read_convergence, read_frd
 from bilayer.calculix_result import import_calculix
 from bilayer.command_line import main
-from bilayer.comparison import compare
 from bilayer.report import provenance
+from bilayer.surface import Surface
 
 KEPT = Path(__file__).parent / "calculix"
 MILESTONES = (1.03, 1.06, 1.09)
@@ -63,12 +63,15 @@ def test_held_nodes_are_where_they_were_bonded(result):
     assert np.abs(moved).max() > 0.005
 
 
-def test_the_shape_is_that_of_the_discrete_shell(result):
-    """As far as two models can agree on 24 triangles; the verification has finer meshes."""
-    shell = solve(hexagon_specimen(), "dshell", mesh=hexagon_mesh())
-    compared = compare(result, shell)
-    assert compared["rms_distance_over_radius"].item() < 0.08
-    assert float(compared["height"][0, 0]) > 0.01
+def test_the_released_hexagon_bends_and_its_bond_shrinks(result):
+    """By less than the substrate would alone. Against both solvers: rung 16, on finer meshes.
+
+    On 24 triangles the solvers do not agree about the axis to roll up about.
+    """
+    mesh = hexagon_mesh()
+    bond = Surface(result["position"].values[0], mesh.triangles)
+    assert 1.06**-2 < bond.areas.sum() / mesh.areas.sum() < 1
+    assert result["height"].item() > 0.01
 
 
 def test_increments_and_iterations_are_counted(result):
