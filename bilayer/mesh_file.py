@@ -6,9 +6,10 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import meshio
+import numpy as np
 
 from bilayer.errors import BilayerError, InputError
-from bilayer.output_file import whole_file
+from bilayer.output_file import HDF5_ROOM, whole_file
 
 FORMATS = {".msh": "gmsh22"}
 """Where the ending leaves a choice: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
@@ -44,7 +45,9 @@ def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
         known = ", ".join(sorted(meshio.extension_to_filetypes))
         raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
     file_format = FORMATS.get(ending)
-    with whole_file(path, "mesh file") as partial, _meshio_speaks_by_errors(path, "written"):
+    arrays = [mesh.points, *(block.data for block in mesh.cells), *mesh.point_data.values()]
+    room = sum(np.asarray(array).nbytes for array in arrays) + HDF5_ROOM  # .xdmf has an .h5
+    with whole_file(path, "mesh file", room) as partial, _meshio_speaks_by_errors(path, "written"):
         meshio.write(partial, mesh, file_format=file_format)
 
 

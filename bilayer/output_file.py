@@ -1,15 +1,21 @@
 """A file that appears whole or not at all: written in a folder beside it, then moved."""
 
+import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from bilayer.errors import ComputationError, InputError
 
+HDF5_ROOM = 2**16
+"""Bytes that an HDF5 file may take beside its data, uncompressed."""
+NAME_SHOWN = 32
+"""Letters of a file's name in that of the folder it is written in, which must not be too long."""
+
 
 @contextmanager
-def whole_file(path: str | Path, what: str) -> Iterator[Path]:
+def whole_file(path: str | Path, what: str, room: int = 0) -> Iterator[Path]:
     """Give a name of the same ending to write to; move what was written when the block ends well.
 
     Companions that a format writes beside its file (the .h5 of an .xdmf) move along.
@@ -20,6 +26,9 @@ def whole_file(path: str | Path, what: str) -> Iterator[Path]:
         Where the file shall be; an earlier one stays as it was until the new one is whole.
     what : str
         What it is, for the messages: "result file", "figure", ...
+    room : int
+        Bytes that the disk must still hold when the block begins: for HDF5, which may end the
+        process when it meets a full disk (version 2 does).
 
     Raises
     ------
@@ -31,12 +40,22 @@ def whole_file(path: str | Path, what: str) -> Iterator[Path]:
     target = Path(path)
     check_writable(target)
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as partial:
+        with tempfile.TemporaryDirectory(
+            prefix=f".{target.stem[:NAME_SHOWN]}.", dir=target.parent
+        ) as partial:
+            _check_room(Path(partial), room)
             yield Path(partial, target.name)
             for written in Path(partial).iterdir():
                 written.replace(target.with_name(written.name))
     except (OSError, RuntimeError) as error:  # the NetCDF library raises RuntimeErrors
         raise ComputationError(f"{what} {target}: cannot be written ({error})") from error
+
+
+def _check_room(folder: Path, size: int) -> None:
+    """Raise OSError unless a file of this size can be made in the folder."""
+    if size > 0:
+        with tempfile.TemporaryFile(dir=folder) as trial:
+            os.posix_fallocate(trial.fileno(), 0, size)
 
 
 def check_writable(path: Path) -> None:
@@ -47,6 +66,8 @@ def check_writable(path: Path) -> None:
             raise InputError(f"output file {path}: the folder {folder} does not exist")
         if path.is_dir():
             raise InputError(f"output file {path}: is a folder, expected a file name")
+        with suppress(FileNotFoundError):
+            path.lstat()  # refuses a name that is too long
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:

@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.output_file import whole_file
+from bilayer.output_file import HDF5_ROOM, whole_file
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.self_contact import BondedBody, self_contact_gap
 from bilayer.settings import settings_to_toml
@@ -164,7 +164,7 @@ def write_result(result: xr.Dataset, path: str | Path) -> None:
         if variable.dtype.kind == "f" and variable.ndim > 1
     }
     without_gaps = {name: {"_FillValue": None} for name in result.coords}  # CF, section 2.5.1
-    with whole_file(path, "result file") as partial:
+    with whole_file(path, "result file", room=result.nbytes + HDF5_ROOM) as partial:
         result.to_netcdf(partial, engine="netcdf4", encoding=packed | without_gaps)
 
 

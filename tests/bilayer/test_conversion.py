@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from made_results import cap_result
 
-from bilayer import InputError, result_mesh
+from bilayer import ComputationError, InputError, result_mesh
 from bilayer.conversion import convert_milestones, convert_result
 
 
@@ -94,6 +94,13 @@ def test_a_result_without_shapes(tmp_path):
 def test_an_unknown_format_writes_nothing(result, tmp_path):
     with pytest.raises(InputError, match=r"shape\.nonsense: cannot be written"):
         convert_result(result, tmp_path / "shape.nonsense", prestretch=1.03)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["shape.vtu", "shape.xdmf"])
+def test_a_full_disk_leaves_nothing(result, tmp_path, full_disk, name):
+    with full_disk(), pytest.raises(ComputationError, match=r"mesh file .* cannot be written"):
+        convert_result(result, tmp_path / name, prestretch=1.03)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -196,3 +196,11 @@ def test_a_file_without_its_specimen_is_refused(tmp_path):
     write_result(result, tmp_path / "a.nc")
     with pytest.raises(InputError, match="the attribute 'specimen' is missing"):
         open_result(tmp_path / "a.nc")
+
+
+def test_a_name_may_be_as_long_as_the_system_allows_and_no_longer(result, tmp_path):
+    longest = tmp_path / f"{'a' * 252}.nc"
+    write_result(result, longest)
+    assert list(tmp_path.iterdir()) == [longest]
+    with pytest.raises(InputError, match="cannot be made"):
+        write_result(result, tmp_path / f"{'a' * 253}.nc")
