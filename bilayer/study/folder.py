@@ -10,6 +10,7 @@ study.csv             the index, made anew from the files above
 import fcntl
 import json
 import os
+import shutil
 import sys
 import time
 from collections import Counter
@@ -170,6 +171,8 @@ class StudyFolder:
                 self.log(NOT_WRITTEN, case, str(error))
             raise
         self.failure_file(case.identity).unlink(missing_ok=True)
+        for left in (self.path / "cases").glob(f".{case.identity}.*"):
+            shutil.rmtree(left, ignore_errors=True)  # a process was killed while it wrote
         self.log(DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
 
     def keep_failure(self, case: Case, reason: str, trace: str = "") -> None:

@@ -170,6 +170,17 @@ def test_a_full_disk_stops_the_study_with_words_and_the_next_start_goes_on(study
     assert main([*words, "--case", "1"]) == 0
 
 
+def test_what_a_killed_process_left_half_written_goes(study):
+    write, out = study
+    words = write(TWO_ANGLES)
+    (case, _) = (case.identity for case in read_study(words[1]).cases)
+    left = out / "cases" / f".{case}.abcdefgh"
+    left.mkdir(parents=True)
+    (left / f"{case}.nc").write_bytes(b"half")
+    assert main(words) == 0
+    assert {path.suffix for path in (out / "cases").iterdir()} == {".nc"}
+
+
 def test_one_folder_is_for_one_study_at_a_time(study, capsys):
     write, out = study
     words = write(TWO_ANGLES)
