@@ -1,6 +1,7 @@
 """What a study costs beside its solver: time per case, and memory over many cases in one process.
 
 scripts/env python3 scripts/studies/overhead.py [--cases 1000]
+scripts/env python3 scripts/studies/overhead.py --solver fenics --cases 40
 """
 
 import argparse
@@ -22,31 +23,34 @@ from bilayer.study.plan import read_study
 
 STUDY = """
 specimen = "specimen.toml"
-solver = "dshell"
-[settings.dshell]
-model = "paper"
-total_time = 0.001
+solver = "{solver}"
+[settings.{solver}]
+{settings}
 [vary]
 "mesh.size" = [0.02]
-"prestretch.milestones" = [1.03]
+"prestretch.milestones" = [1.01]
 "cut.cutout_angle" = {{ start = 0.3, stop = 0.5, num = {count} }}
 """
+SETTINGS = {"dshell": 'model = "paper"\ntotal_time = 0.001', "fenics": "flow_steps = 0"}
 SAMPLES = 10
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Overhead of a study: time and memory.")
     parser.add_argument("--cases", type=int, default=1000)
-    count = parser.parse_args().cases
+    parser.add_argument("--solver", choices=SETTINGS, default="dshell")
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        measure(Path(scratch), count)
+        measure(Path(scratch), options.solver, options.cases)
     return 0
 
 
-def measure(scratch: Path, count: int) -> None:
+def measure(scratch: Path, solver: str, count: int) -> None:
     """Compute tiny cases in this process; print CPU time beside the solver's, and memory."""
     (scratch / "specimen.toml").write_text(template(), encoding="utf-8")
-    (scratch / "study.toml").write_text(STUDY.format(count=count), encoding="utf-8")
+    (scratch / "study.toml").write_text(
+        STUDY.format(solver=solver, settings=SETTINGS[solver], count=count), encoding="utf-8"
+    )
     planned, plan = _timed(partial(read_study, scratch / "study.toml"))
     folder = StudyFolder(scratch / "out")
     folder.make()
