@@ -181,6 +181,18 @@ def test_what_a_killed_process_left_half_written_goes(study):
     assert {path.suffix for path in (out / "cases").iterdir()} == {".nc"}
 
 
+def test_a_rank_without_a_case_holds_up_no_other(study):
+    """PETSc is started by all ranks at once, also by those that have nothing to compute."""
+    pytest.importorskip("dolfinx")
+    write, out = study
+    words = write('specimen = "specimen.toml"\nsolver = "fenics"\n[vary]\n'
+                  '"prestretch.milestones" = [1.001]\n')  # fmt: skip
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX", "PRTE"))}
+    command = ["mpirun", "-n", "2", sys.executable, "-m", "bilayer", *words]
+    subprocess.run(command, env=clean, timeout=240, check=True)
+    assert len(log_lines(out, "done")) == 1
+
+
 def test_one_folder_is_for_one_study_at_a_time(study, capsys):
     write, out = study
     words = write(TWO_ANGLES)
