@@ -168,6 +168,33 @@ class EquilibriumSolver:
                 break
         return Outcome(state, converged, error, iteration)
 
+    def balance(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
+        """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
+
+        Parameters
+        ----------
+        body : Body
+            What is in equilibrium.
+        start : array of float
+            The first state, m.
+        limits : NewtonLimits
+            When to stop.
+        """
+        state = start
+        for iteration in range(limits.iterations + 1):
+            residual = self.residual(body, state)
+            error = float(np.linalg.norm(residual))
+            converged = error <= limits.tolerance
+            if converged or not np.isfinite(error) or iteration == limits.iterations:
+                break
+            hessian = self.assembly.hessian(body.energies, state)
+            try:
+                factor = self._linear.factor(hessian)
+            except SingularMatrixError:
+                break
+            state = state + self._step(factor, residual, limits.longest_step)
+        return Outcome(state, converged, error, iteration)
+
     def unstable_modes(self, body: Body, state: Array) -> int:
         """Return the number of negative eigenvalues of the exact Hessian."""
         hessian = self.assembly.hessian(body.energies, state)

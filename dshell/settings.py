@@ -8,6 +8,7 @@ from bilayer.errors import InputError
 from bilayer.settings import documented
 from bilayer.specimen import BONDED_THICKNESS_RULES
 from bilayer.validation import fraction, not_negative, one_of, positive, whole
+from dshell.branches import BRANCHES
 from dshell.through_thickness import PROFILES
 
 METHODS = ("static", "dynamic")
@@ -44,8 +45,16 @@ class ReleaseSettings:
         0.01, "smallest load step that is tried over the way between two milestones"
     )
 
+    branch: str = documented(
+        "lowest",
+        "where an equilibrium is unstable, which of the stable ones to either side of its mode to "
+        "take: that of lower energy, the other one, or none, which goes on with the unstable one "
+        "(lowest, other, unstable)",
+    )
+
     def __post_init__(self) -> None:
         one_of("solver.method", self.method, METHODS)
+        one_of("solver.branch", self.branch, tuple(BRANCHES))
         _check_times(self.total_time, self.time_step)
         not_negative("solver.damping_rate", self.damping_rate, "1/s")
         whole("solver.max_iterations", self.max_iterations, at_least=1)

@@ -3,7 +3,7 @@
 A milestone is tried in one step from the last equilibrium, the first one from flat: the prestretch
 grows over the first iterations and Newton's method goes on from there. Where it fails, the
 prestretch goes there in smaller steps. An equilibrium with unstable modes is left along one of
-them, so no imperfection is needed; a bilayer bends by itself.
+them (`dshell.branches`), so no imperfection is needed; a bilayer bends by itself.
 """
 
 import math
@@ -24,6 +24,7 @@ from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from bilayer.surface import flat_surface
 from dshell.assembly import Assembly, Energy
+from dshell.branches import BRANCHES
 from dshell.interface import bonded_interface
 from dshell.linear_solver import LinearSolver
 from dshell.masses import lumped_masses
@@ -37,8 +38,6 @@ Stretch = tuple[float, float]
 UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the substrate, that no equilibrium can be asked to go below."""
-ESCAPES = 3
-"""How often an unstable equilibrium is left before it is kept as it is."""
 ESCAPE = 0.1
 """How far it is left along its unstable mode, over the substrate's thickness."""
 
@@ -113,7 +112,9 @@ class StaticRelease:
         substrate = specimen.substrate
         stiffness = substrate.material.young_modulus * substrate.thickness
         self._round_off = ROUND_OFF * stiffness * specimen.outer_radius
-        self._escape = ESCAPE * specimen.substrate.thickness
+        self._branch = BRANCHES[settings.branch](
+            self._solver, ESCAPE * specimen.substrate.thickness
+        )
         self._iterations = self._load_steps = 0
 
     def flat(self, stretch: Stretch = UNSTRETCHED) -> Equilibrium:
@@ -217,24 +218,14 @@ class StaticRelease:
         scale = self._force_scale(body, stretch)
         tolerance = self._settings.tolerance * scale
         limits = NewtonLimits(tolerance, self._settings.max_iterations, self._longest_step)
-        outcome = self._counted(self._ramp(here.stretch, body, stretch), here.state, limits)
-        unstable = self._unstable_at_end(body, outcome)
-        for _ in range(ESCAPES):
-            if not unstable:
-                break
-            away = self._escape * self._solver.unstable_direction(body, outcome.state)
-            outcome = self._counted([body], outcome.state + away, limits)
-            unstable = self._unstable_at_end(body, outcome)
+        bodies = self._ramp(here.stretch, body, stretch)
+        found = self._branch.land(bodies, here.state, here.unstable_modes, limits)
+        outcome = found.outcome
+        self._iterations += outcome.iterations
         self._load_steps += 1
         if not outcome.converged:
             return outcome
-        return Equilibrium(stretch, outcome.state, outcome.residual / scale, unstable)
-
-    def _unstable_at_end(self, body: Body, outcome: Outcome) -> int | None:
-        """Return the number of unstable modes of an equilibrium, None where there is none."""
-        if not outcome.converged:
-            return None
-        return self._solver.unstable_modes(body, outcome.state)
+        return Equilibrium(stretch, outcome.state, outcome.residual / scale, found.unstable_modes)
 
     def _ramp(self, start: Stretch, body: Body, end: Stretch) -> list[Body]:
         """Return the shell on its way to a prestretch, one body per iteration, and at its end."""
@@ -242,11 +233,6 @@ class StaticRelease:
         count = math.ceil(way / self._settings.ramp)
         shares = np.arange(1, count) / count
         return [*(self._body(between(start, end, float(share))) for share in shares), body]
-
-    def _counted(self, bodies: Sequence[Body], state: Array, limits: NewtonLimits) -> Outcome:
-        outcome = self._solver.settle(bodies, state, limits)
-        self._iterations += outcome.iterations
-        return outcome
 
     def _force_scale(self, body: Body, stretch: Stretch) -> float:
         """Return what the tolerance is relative to, N: the forces on the flat state.

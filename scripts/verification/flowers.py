@@ -1,11 +1,12 @@
 """The paper's specimen as the accurate shell releases it: meshes, petals and how far it goes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from bilayer import CutPattern, PlanarMesh, Specimen, solve
+from bilayer import CutPattern, MeshSize, PlanarMesh, Specimen, paper_specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh_generation import generate_mesh
 from dshell import MorleySettings
@@ -21,6 +22,16 @@ def flower(stretches: Sequence[float], size: float) -> tuple[Specimen, PlanarMes
     result = solve(specimen, "dshell", MorleySettings(), mesh=mesh)
     if not result.converged.values.all() or result.unstable_modes.values.any():
         raise ComputationError(f"no stable shape on {size * 1e3:g} mm: {result.stop_reason}")
+    return specimen, mesh, result
+
+
+def five_fold(stretches: Sequence[float], size: float) -> tuple[Specimen, PlanarMesh, xr.Dataset]:
+    """The template's five-fold equilibria, stable or not."""
+    specimen = replace(paper_specimen(), mesh=MeshSize(size)).with_milestones(list(stretches))
+    mesh = generate_mesh(specimen)
+    result = solve(specimen, "dshell", MorleySettings(branch="unstable"), mesh=mesh)
+    if not result.converged.values.all():
+        raise ComputationError(f"no shape on {size * 1e3:g} mm: {result.stop_reason}")
     return specimen, mesh, result
 
 

@@ -47,6 +47,15 @@ def test_too_few_iterations_are_told(column):
     assert (outcome.converged, outcome.iterations) == (False, 1)
 
 
+def test_plain_steps_balance_the_straight_column_though_it_is_unstable(column):
+    solver, body, straight = column
+    nearby = straight + 1e-3 * solver.unstable_direction(body, straight)
+    outcome = solver.balance(body, nearby, NewtonLimits(1e-12, 10, 1.0))
+    assert outcome.converged
+    assert outcome.state == pytest.approx(straight, abs=1e-9)
+    assert solver.unstable_modes(body, outcome.state) == 2
+
+
 class GrownMiddle:
     """A flat lattice whose middle grows: flat it is in equilibrium, and unstable."""
 
@@ -73,19 +82,19 @@ class GrownMiddle:
         return 0.0
 
 
-@pytest.mark.parametrize(("escapes", "is_stable"), [(0, False), (3, True)])
-def test_an_unstable_equilibrium_is_left(
-    coarse_specimen, coarse_mesh, monkeypatch, escapes, is_stable
-):
-    monkeypatch.setattr(static_release, "ESCAPES", escapes)
-    specimen = coarse_specimen.with_milestones([1.05])
+@pytest.mark.parametrize(
+    ("branch", "is_stable"), [("unstable", False), ("lowest", True), ("other", True)]
+)
+def test_an_unstable_equilibrium_is_left(coarse_specimen, coarse_mesh, branch, is_stable):
+    settings = HingeSettings(branch=branch)
+    specimen = coarse_specimen.with_milestones([1.05, 1.06])
     path = static_release.StaticRelease(
-        specimen, coarse_mesh, GrownMiddle(coarse_mesh), HingeSettings(), best_linear_solver()
+        specimen, coarse_mesh, GrownMiddle(coarse_mesh), settings, best_linear_solver()
     )
     states, reason = static_release.visit_milestones(specimen, path, None, None)
     assert reason == ""
-    assert (states[0].unstable_modes == 0) == is_stable
-    assert (np.ptp(states[0].position[:, 2]) > 1e-3) == is_stable
+    assert [state.unstable_modes == 0 for state in states] == [is_stable, is_stable]
+    assert (np.ptp(states[1].position[:, 2]) > 1e-3) == is_stable
 
 
 def test_an_equilibrium_counts_its_unstable_modes_once(coarse_specimen, coarse_mesh, monkeypatch):
