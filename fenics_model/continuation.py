@@ -164,7 +164,7 @@ def follow(
         modes = search.flow.unstable_modes() if at_goal else UNKNOWN_STABILITY
         departure = None
         if modes > 0:
-            if tracker.gives_up_guide():
+            if tracker.gives_up_guide(there):
                 continue
             departure = search.leave(modes, accepted, reference)
             modes = departure.unstable_modes
@@ -217,11 +217,11 @@ class _Tracker:
         self._effort += effort
         return outcome
 
-    def gives_up_guide(self) -> bool:
-        """If the guide has led to the present state, leave it for load steps; say whether."""
+    def gives_up_guide(self, there: float) -> bool:
+        """If the guide has led to the present, unstable state, go by load steps; say whether."""
         if not self._is_guided:
             return False
-        self._guide.distrust()
+        self._guide.distrust(there, "unstable")
         self.go_back()
         return True
 

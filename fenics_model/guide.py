@@ -44,6 +44,11 @@ class Guide:
         Relaxes a state to a norm of the residual, the interface held; returns its outcome.
     shapes : mapping of float to (n, 3) array of float
         The bonded interface by path parameter, m, where the solid is held; empty: no guide.
+
+    Attributes
+    ----------
+    left : list of (float, str)
+        Path parameters of shapes that were not followed, and why.
     """
 
     def __init__(
@@ -59,6 +64,7 @@ class Guide:
         self._states: dict[float, NDArray[np.float64]] = {}
         self._defects: list[tuple[float, NDArray[np.float64]]] = []
         self._is_trusted = True
+        self.left: list[tuple[float, str]] = []
 
     def next_toward(self, goal: float, here: float) -> float | None:
         """Return where to step, the farthest shape in reach; None where there is none to trust."""
@@ -100,7 +106,7 @@ class Guide:
         if outcome.converged and self._is_elsewhere(before, guess):
             outcome = replace(outcome, converged=False, reason="another branch")
         if not outcome.converged:
-            self.distrust()
+            self.distrust(there, outcome.reason)
         return outcome, effort
 
     def _is_elsewhere(self, before: NDArray[np.float64], predicted: NDArray[np.float64]) -> bool:
@@ -109,9 +115,10 @@ class Guide:
         missed = self._solid.displacement_norm(self._newton.state.x.array - predicted)
         return missed > ELSEWHERE * led
 
-    def distrust(self) -> None:
-        """Predict nothing until the equilibrium at one of the shapes is known."""
+    def distrust(self, there: float, reason: str) -> None:
+        """Predict nothing until the equilibrium at one of the shapes is known; note why."""
         self._is_trusted = False
+        self.left.append((there, reason))
 
     def learn(self, parameter: float) -> None:
         """Note how far the shape at a parameter, if there is one, is from the present state."""

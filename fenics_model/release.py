@@ -97,7 +97,7 @@ def release(
         .merge(effort_dataset(efforts, works, milestones))
         .merge(branch_dataset(departures, milestones)),
     )
-    result = result.assign_attrs(start=start_description)
+    result = result.assign_attrs(start="; ".join([start_description, *run.shapes_left()]))
     if stop_reason == INTERRUPTED:
         raise Interrupted(result)
     return result
@@ -237,6 +237,13 @@ class Release:
         finally:
             self._newton.destroy()
         return ""
+
+    def shapes_left(self) -> list[str]:
+        """Return a few words for each shape of the start that load steps had to go on without."""
+        return [
+            f"not followed to {max(self._body.path.stretch(parameter)):.6g} ({reason}): load steps"
+            for parameter, reason in self._guide.left
+        ]
 
     def _note(self, equilibrium: Equilibrium) -> None:
         self._tally.add(equilibrium)

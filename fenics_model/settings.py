@@ -38,8 +38,10 @@ class SolidSettings:
     )
     branch: str = documented(
         "lowest",
-        "where a milestone is unstable, which of the two stable branches to either side of its "
-        "mode to take: that of lower energy, the other one, or none (lowest, other, unstable)",
+        "where load steps come to an unstable milestone, which of the stable branches to either "
+        "side of its mode to take: that of lower energy, the other one, or none (lowest, other, "
+        "unstable); a start that leads straight to stable shapes leaves no such choice: choose "
+        "with --start flat",
     )
     tolerance: float = documented(
         1e-10, "residual at a milestone, relative to the flat state's [1]"

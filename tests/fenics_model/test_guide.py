@@ -14,6 +14,7 @@ from bilayer import (
     paper_specimen,
     solve,
 )
+from bilayer.report import provenance
 from bilayer.starting import LONGEST_WAY, shapes_on_the_way, with_waypoints
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.009))
@@ -67,6 +68,7 @@ def test_the_shell_leads_to_what_load_stepping_finds(shell, stepped, mesh):
     assert led["iterations"].values[0] <= 8
     assert 2 * led["iterations"].sum() < stepped["iterations"].sum()
     assert "dshell, model morley" in led.attrs["start"]
+    assert "not followed" not in led.attrs["start"]
     assert stepped.attrs["start"] == "flat"
     assert stepped["guided_steps"].values.tolist() == [0, 0]
 
@@ -86,6 +88,8 @@ def test_a_shape_on_another_branch_leads_nowhere(shell, stepped, mesh):
     led = solve(COARSE.with_milestones([1.03]), "fenics", mesh=mesh, start=mirrored)
     assert led["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
     assert led["load_steps"].values[0] > 1
+    assert "; not followed to 1.03 (" in led.attrs["start"]
+    assert "not followed to 1.03" in provenance(led)
 
 
 @needs_dolfinx
