@@ -63,9 +63,10 @@ def survives(file: Path, count: int, chance: random.Random) -> bool:
     done = Counter(log["case"][log["event"] == "done"])
     begun = int((log["event"] == "begun").sum())
     left, right = (_without_timings(folder) for folder in (alone, killed))
+    apart = [name for name in left if not left[name].equals(right.get(name))]
     checks = {
         "the same files": _files(alone) == _files(killed) and len(_files(killed)) == count,
-        "an index identical but for the timings": left.equals(right),
+        f"an index identical but for the timings{_named(apart)}": left.equals(right),
         "no case computed twice": max(done.values()) == 1,
     }
     print(f"{file.stem}: {count} cases, {whole:.0f} s undisturbed; killed {KILLS} times: {begun} "
@@ -100,6 +101,11 @@ def kill(file: Path, folder: Path, after: float) -> None:
 
 def _files(folder: Path) -> set[str]:
     return {path.name for path in (folder / "cases").iterdir()}
+
+
+def _named(columns: list[str]) -> str:
+    """Name the columns that differ; `git_commit` does if the checkout has changed meanwhile."""
+    return f" (apart: {', '.join(columns)})" if columns else ""
 
 
 def _without_timings(folder: Path) -> pd.DataFrame:
