@@ -1,8 +1,12 @@
 """The ranks of `mpirun`, as far as the command line is concerned: one of them speaks and writes."""
 
 import contextlib
+import os
 import sys
 from typing import Any
+
+LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
+"""Variables by which mpirun, or srun in its place, tells a process its rank."""
 
 
 def join_mpi() -> None:
@@ -22,9 +26,11 @@ def _world_rank() -> int:
 
 
 def world_of_ranks() -> Any:
-    """Return COMM_WORLD where several ranks are in it, else None."""
-    communicator = _communicator()
-    return None if communicator is None or communicator.Get_size() == 1 else communicator
+    """Return COMM_WORLD in a process that mpirun has started, also as the only one, else None.
+
+    Such a process starts no others: they would pass for its rank, and MPI wait for them at its end.
+    """
+    return _communicator() if any(name in os.environ for name in LAUNCHERS) else None
 
 
 def _communicator() -> Any:
@@ -35,6 +41,6 @@ def _communicator() -> Any:
 
 def abort_other_ranks() -> None:
     """End the ranks that would wait for ever for one that met an unexpected error."""
-    communicator = world_of_ranks()
-    if communicator is not None:
+    communicator = _communicator()
+    if communicator is not None and communicator.Get_size() > 1:
         communicator.Abort(1)

@@ -187,10 +187,23 @@ def test_a_rank_without_a_case_holds_up_no_other(study):
     write, out = study
     words = write('specimen = "specimen.toml"\nsolver = "fenics"\n[vary]\n'
                   '"prestretch.milestones" = [1.001]\n')  # fmt: skip
-    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX", "PRTE"))}
-    command = ["mpirun", "-n", "2", sys.executable, "-m", "bilayer", *words]
-    subprocess.run(command, env=clean, timeout=240, check=True)
+    under_mpirun(2, words)
     assert len(log_lines(out, "done")) == 1
+
+
+def test_one_rank_of_mpirun_computes_by_itself_and_ends(study):
+    """Processes that it started would pass for its rank, and MPI wait for them at its end."""
+    pytest.importorskip("mpi4py.MPI")
+    write, out = study
+    under_mpirun(1, write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n'
+                          '"cut.cutout_angle" = [0.2, 0.3]\n'))  # fmt: skip
+    assert len(log_lines(out, "done")) == 2
+
+
+def under_mpirun(ranks, words):
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX", "PRTE"))}
+    command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "bilayer", *words]
+    subprocess.run(command, env=clean, timeout=120, check=True)
 
 
 def test_one_folder_is_for_one_study_at_a_time(study, capsys):
