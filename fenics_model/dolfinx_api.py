@@ -1,4 +1,4 @@
-"""What differs between dolfinx 0.9, 0.10 and 0.11, and nothing else: the one edge to their APIs.
+"""What differs between dolfinx 0.9, 0.10 and 0.11 and their PETSc, and nothing else: the one edge.
 
 The calls that are the same in all three are made where they are needed, with the arguments that
 were renamed (`diagonal`, `diag`) left at their defaults.
@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+
+RESIDUAL_IS_NO_NUMBER = -4
+"""Why SNES ended: DIVERGED_FNORM_NAN, which newer PETSc calls DIVERGED_FUNCTION_NANORINF."""
 
 
 def create_mesh(

@@ -8,6 +8,7 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
+from fenics_model.dolfinx_api import RESIDUAL_IS_NO_NUMBER
 from fenics_model.petsc_options import UserOptions
 from fenics_model.tangent import ExtrapolatedTangent
 from fenics_model.work import Stopwatch
@@ -327,7 +328,7 @@ def _in_words(reason: int) -> str:
     """Say why an iteration ended."""
     kinds = PETSc.SNES.ConvergedReason
     words = {
-        kinds.DIVERGED_FNORM_NAN: "an element was turned inside out",
+        RESIDUAL_IS_NO_NUMBER: "an element was turned inside out",
         kinds.DIVERGED_DTOL: "the residual grew beyond all bounds",
         kinds.DIVERGED_MAX_IT: "too many iterations",
         kinds.DIVERGED_LINE_SEARCH: "no step of the line search lowers the residual",
