@@ -178,7 +178,7 @@ class MeshSize:
         Edge length at the cutouts' inner corners, m; None: `size` everywhere.
     """
 
-    size: float = 0.004
+    size: float = 0.003
     corner_size: float | None = None
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ total_time = 0.002
 
 def write_study(folder, text):
     """Write a specimen and a study file; return the study file's path."""
-    coarse = template().replace("size = 0.004", "size = 0.016")
+    coarse = template().replace("size = 0.003", "size = 0.016")
     two = coarse.replace("[1.03, 1.06, 1.09, 1.12, 1.15, 1.18, 1.21, 1.24]", "[1.03, 1.06]")
     (folder / "specimen.toml").write_text(two)
     (folder / "study.toml").write_text(text)
