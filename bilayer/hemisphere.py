@@ -11,6 +11,7 @@ over the distance of the flat disc, so 0 is the hemisphere and 1 is flat.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,14 +64,17 @@ def flat_disc_distance(flat_radius: float) -> float:
     return flat_radius * math.sqrt(best.fun)
 
 
-def distance_from_unit_hemisphere(points: Array) -> Array:
-    """Return the distance of points from the upper half of the unit sphere, shape (n,).
+def away_from_unit_hemisphere(points: Array) -> Array:
+    """Return the vector to points from the nearest one of the unit sphere's upper half, (n, 3).
 
-    Above the plane of the rim it is radial; below, the nearest point is on the rim.
+    Above the plane of the rim it is radial; below, the nearest point is on the rim. From the
+    centre it is the vector to the pole.
     """
-    across, along = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    from_cap = np.abs(np.hypot(across, along) - 1)
-    return np.where(along >= 0, from_cap, np.hypot(across - 1, along))
+    nearest = np.array(points)
+    nearest[nearest[:, 2] < 0, 2] = 0
+    length = np.linalg.norm(nearest, axis=1)
+    nearest[length == 0] = 0, 0, 1
+    return points - nearest / np.where(length > 0, length, 1)[:, None]
 
 
 def unit_hemisphere_samples(count: int) -> Array:
@@ -89,19 +93,60 @@ def unit_hemisphere_samples(count: int) -> Array:
 def _distance_at_best(surface: Surface) -> float:
     """Least symmetric distance between a surface and a unit hemisphere, which moves.
 
-    The unknowns are the hemisphere's centre and the tilt of its axis.
+    The unknowns are the hemisphere's centre and its turns about the axis x and the turned axis y.
     """
     nearest = NearestPoint(surface)
     hemisphere = unit_hemisphere_samples(SAMPLES)
     share = np.sqrt(surface.sample_areas / surface.areas.sum() / 2)
+    share_back = np.full(SAMPLES, 1 / math.sqrt(2 * SAMPLES))
 
-    def residuals(unknowns: Array) -> Array:
-        centre, turn = unknowns[:3], Rotation.from_rotvec([*unknowns[3:], 0.0])
-        there = distance_from_unit_hemisphere(turn.inv().apply(surface.samples - centre))
-        back = nearest.distance(centre + turn.apply(hemisphere))
-        return np.concatenate([share * there, back / math.sqrt(2 * len(back))])
+    @lru_cache(maxsize=1)  # the residuals and their derivatives are asked for one after the other
+    def residuals(*unknowns: float) -> tuple[Array, Array]:
+        centre, (about_x, about_y) = np.array(unknowns[:3]), unknowns[3:]
+        turn = Rotation.from_euler("XY", [about_x, about_y])
+        axes = np.array([[1.0, 0, 0], [0, math.cos(about_x), math.sin(about_x)]])
+        from_centre, around = surface.samples - centre, turn.apply(hemisphere)
+        there = turn.apply(away_from_unit_hemisphere(turn.inv().apply(from_centre)))
+        back = nearest.away(centre + around)
+        parts = [
+            _distances_as_it_moves(share, there, -1.0, from_centre, axes),
+            _distances_as_it_moves(share_back, back, 1.0, around, axes),
+        ]
+        values, derivatives = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return values, derivatives
 
     centroids_meet = surface.centroid - [0.0, 0.0, 0.5]
-    start = [*centroids_meet, 0.0, 0.0]
-    best = least_squares(residuals, start, method="lm", xtol=1e-5, ftol=1e-6)
+    best = least_squares(
+        lambda unknowns: residuals(*unknowns)[0],
+        [*centroids_meet, 0.0, 0.0],
+        lambda unknowns: residuals(*unknowns)[1],
+        method="lm",
+        xtol=1e-5,
+        ftol=1e-6,
+    )
     return math.sqrt(2 * best.cost)
+
+
+def _distances_as_it_moves(
+    weights: Array, away: Array, sense: float, arms: Array, axes: Array
+) -> tuple[Array, Array]:
+    """Return weighted distances, (n,), and their derivatives by a translation and turns, (n, 5).
+
+    Parameters
+    ----------
+    weights : (n,) array of float
+        Of the points.
+    away : (n, 3) array of float
+        Vectors to them from the nearest points of the other body.
+    sense : float
+        1 where the points move, -1 where the other body does.
+    arms : (n, 3) array of float
+        Vectors to the points from the centre of the turns.
+    axes : (2, 3) array of float
+        Of the turns.
+    """
+    distance = np.linalg.norm(away, axis=1)
+    direction = away / np.where(distance > 0, distance, 1)[:, None]
+    turns = np.cross(arms, direction) @ axes.T  # n . (axis x arm) = axis . (arm x n)
+    derivatives = sense * np.column_stack([direction, turns])
+    return weights * distance, weights[:, None] * derivatives

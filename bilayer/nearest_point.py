@@ -1,4 +1,4 @@
-"""Distance from points to a triangulated surface, exact on each of a few triangles nearby."""
+"""The way from a triangulated surface to points, exact on each of a few triangles nearby."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ CANDIDATES = 4
 
 
 class NearestPoint:
-    """Distances to one surface: a k-d tree finds candidate triangles, then geometry decides.
+    """Nearest points of one surface: a k-d tree finds candidate triangles, then geometry decides.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ class NearestPoint:
         self._tree = KDTree(surface.samples)
         self._candidates = min(CANDIDATES, len(surface.samples))
 
-    def distance(self, queries: Array) -> Array:
-        """Return the distance of each point from the surface, m.
+    def away(self, queries: Array) -> Array:
+        """Return the vector to each point from the nearest one of the surface, m, shape (q, 3).
 
         Parameters
         ----------
@@ -36,14 +36,21 @@ class NearestPoint:
         """
         _, samples = self._tree.query(queries, k=self._candidates)
         triangles = samples.reshape(len(queries), -1) // 3  # three samples each, in their order
-        return distance_to_triangles(queries[:, None], self._corners[triangles]).min(axis=1)
+        away = away_from_triangles(queries[:, None], self._corners[triangles])
+        nearest = _dot(away, away).argmin(axis=1)
+        return np.take_along_axis(away, nearest[:, None, None], axis=1)[:, 0]
 
 
 def distance_to_triangles(points: Array, corners: Array) -> Array:
-    """Return the distance of each point from its triangle.
+    """Return the distance of each point from its triangle, m; see `away_from_triangles`."""
+    away = away_from_triangles(points, corners)
+    return np.sqrt(_dot(away, away))
 
-    It is the distance from the plane where the foot of the perpendicular lies inside, and that
-    from the nearest edge elsewhere.
+
+def away_from_triangles(points: Array, corners: Array) -> Array:
+    """Return the vector to each point from the nearest one of its triangle, m, shape (..., 3).
+
+    It is the perpendicular where its foot lies inside, and that of the nearest edge elsewhere.
 
     Parameters
     ----------
@@ -58,16 +65,17 @@ def distance_to_triangles(points: Array, corners: Array) -> Array:
     inside = np.all(
         [_dot(np.cross(normal, end - start), points - start) >= 0 for start, end in sides], axis=0
     )
-    from_plane = np.abs(_dot(normal, points - a)) / np.sqrt(_dot(normal, normal))
-    from_edges = np.min([_distance_to_segment(points, *side) for side in sides], axis=0)
-    return np.where(inside, from_plane, from_edges)
+    from_plane = normal * (_dot(normal, points - a) / _dot(normal, normal))[..., None]
+    from_edges = np.array([_away_from_segment(points, *side) for side in sides])
+    nearest = _dot(from_edges, from_edges).argmin(axis=0)
+    from_edge = np.take_along_axis(from_edges, nearest[None, ..., None], axis=0)[0]
+    return np.where(inside[..., None], from_plane, from_edge)
 
 
-def _distance_to_segment(points: Array, start: Array, end: Array) -> Array:
+def _away_from_segment(points: Array, start: Array, end: Array) -> Array:
     along = end - start
     fraction = np.clip(_dot(points - start, along) / _dot(along, along), 0, 1)
-    away = points - start - fraction[..., None] * along
-    return np.sqrt(_dot(away, away))
+    return points - start - fraction[..., None] * along
 
 
 def _dot(a: Array, b: Array) -> Array:
