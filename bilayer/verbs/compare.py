@@ -4,7 +4,6 @@ import argparse
 from typing import Any
 
 from bilayer.comparison import compare, comparison_table
-from bilayer.figures import draw_comparison, save_figure
 from bilayer.result import open_result
 from bilayer.verbs.parser import add_verb
 
@@ -21,6 +20,8 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    from bilayer.figures import draw_comparison, save_figure  # matplotlib takes half a second
+
     first, second = (open_result(path) for path in options.results)
     comparison = compare(first, second)
     if not options.quiet:

@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from bilayer.figures import draw_mesh, save_figure
 from bilayer.mesh_generation import generate_mesh
 from bilayer.output_file import check_writable
 from bilayer.planar_mesh import write_planar_mesh
@@ -25,6 +24,8 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    from bilayer.figures import draw_mesh, save_figure  # matplotlib takes half a second
+
     output = Path(options.output)
     check_writable(output)
     mesh = generate_mesh(specimen_of(options, options.overrides))

@@ -3,7 +3,6 @@
 import argparse
 from typing import Any
 
-from bilayer.figures import draw_shapes, save_figure
 from bilayer.result import open_result
 from bilayer.verbs.parser import add_verb
 
@@ -20,5 +19,7 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    from bilayer.figures import draw_shapes, save_figure  # matplotlib takes half a second
+
     save_figure(draw_shapes(open_result(options.result)), options.output)
     return 0

@@ -4,10 +4,8 @@ import argparse
 from typing import Any
 
 from bilayer.errors import InputError
-from bilayer.figures import save_figure
 from bilayer.specimen_file import toml_value
 from bilayer.study.dataset import open_study
-from bilayer.study_figure import draw_study
 from bilayer.verbs.parser import add_verb
 
 
@@ -32,6 +30,9 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    from bilayer.figures import save_figure  # matplotlib takes half a second
+    from bilayer.study_figure import draw_study
+
     chosen = dict(_selection(word) for word in options.select)
     if options.prestretch is not None:
         chosen["prestretch"] = toml_value(options.prestretch)
