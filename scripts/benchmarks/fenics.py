@@ -38,7 +38,12 @@ SINGLES = (1.03, 1.06)
 RANKS = (2, 4)
 DEGREES = (2, 3, 4)
 REFERENCE_DEGREE = 6
-COMPILERS = {"-O2": ["-O2"], "-O3 -march=native": ["-O3", "-march=native"]}
+COMPILERS = {
+    "-O2": ["-O2"],
+    "-O2, sums in any order": ["-O2", *jit.SUMS_IN_ANY_ORDER],
+    "-O3 -march=native": ["-O3", "-march=native"],
+    "-O3 -march=native, sums in any order": ["-O3", "-march=native", *jit.SUMS_IN_ANY_ORDER],
+}
 REPETITIONS = 5
 MUST = {"shell": 80, "flat": 97, 1.03: 8, 1.06: 12}
 AIM = {"shell": 50, "flat": 70}
