@@ -181,29 +181,24 @@ def test_what_a_killed_process_left_half_written_goes(study):
     assert {path.suffix for path in (out / "cases").iterdir()} == {".nc"}
 
 
-def test_a_rank_without_a_case_holds_up_no_other(study):
+def test_a_rank_without_a_case_holds_up_no_other(study, bilayer_on_ranks):
     """PETSc is started by all ranks at once, also by those that have nothing to compute."""
     pytest.importorskip("dolfinx")
     write, out = study
     words = write('specimen = "specimen.toml"\nsolver = "fenics"\n[vary]\n'
                   '"prestretch.milestones" = [1.001]\n')  # fmt: skip
-    under_mpirun(2, words)
+    bilayer_on_ranks(2, *words)
     assert len(log_lines(out, "done")) == 1
 
 
-def test_one_rank_of_mpirun_computes_by_itself_and_ends(study):
+def test_one_rank_of_mpirun_computes_by_itself_and_ends(study, bilayer_on_ranks):
     """Processes that it started would pass for its rank, and MPI wait for them at its end."""
     pytest.importorskip("mpi4py.MPI")
     write, out = study
-    under_mpirun(1, write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n'
-                          '"cut.cutout_angle" = [0.2, 0.3]\n'))  # fmt: skip
+    words = write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n'
+                  '"cut.cutout_angle" = [0.2, 0.3]\n')  # fmt: skip
+    bilayer_on_ranks(1, *words)
     assert len(log_lines(out, "done")) == 2
-
-
-def under_mpirun(ranks, words):
-    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX", "PRTE"))}
-    command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "bilayer", *words]
-    subprocess.run(command, env=clean, timeout=120, check=True)
 
 
 def test_one_folder_is_for_one_study_at_a_time(study, capsys):
