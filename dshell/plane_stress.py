@@ -66,7 +66,7 @@ class PlaneMooneyRivlin:
 
     def energy(self, strain: Array, prestretch: Array) -> Array:
         """See `PlaneStressLaw`."""
-        T, D, *_ = _invariants(strain, prestretch)
+        T, D = _invariants(strain, prestretch)
         J = self._volume(T, D)
         r2 = np.cbrt(J) ** 2
         first = T / r2 + r2 * r2 / D - 3
@@ -77,13 +77,15 @@ class PlaneMooneyRivlin:
 
     def stress(self, strain: Array, prestretch: Array) -> Array:
         """See `PlaneStressLaw`."""
-        T, D, T_e, D_e, _ = _invariants(strain, prestretch)
+        T, D = _invariants(strain, prestretch)
+        T_e, D_e, _ = _invariant_derivatives(strain, prestretch)
         W_T, W_D = self._first(T, D, np.cbrt(self._volume(T, D)))
         return W_T * T_e + W_D * D_e
 
     def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
         """See `PlaneStressLaw`."""
-        T, D, T_e, D_e, D_ee = _invariants(strain, prestretch)
+        T, D = _invariants(strain, prestretch)
+        T_e, D_e, D_ee = _invariant_derivatives(strain, prestretch)
         r = np.cbrt(self._volume(T, D))
         W_T, W_D = self._first(T, D, r)
         W_TT, W_TD, W_DD = self._second(T, D, r)
@@ -197,17 +199,27 @@ def _(material: LinearElastic) -> PlaneStressLaw:
     return PlaneLinear(material.young_modulus, material.poisson_ratio)
 
 
-def _invariants(strain: Array, prestretch: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Return T, D, their derivatives by the strain, and the second one of D."""
-    S = prestretch
-    xx, yy = S[0, 0] ** 2 + S[0, 1] ** 2, S[1, 1] ** 2 + S[0, 1] ** 2  # of S S
-    xy = S[0, 1] * (S[0, 0] + S[1, 1])
-    area2 = (S[0, 0] * S[1, 1] - S[0, 1] ** 2) ** 2
+def _invariants(strain: Array, prestretch: Array) -> tuple[Array, Array]:
+    """Return T and D."""
+    xx, yy, xy, area2 = _squared(prestretch)
     a, b, g = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
-    T = xx * a + yy * b + 2 * xy * g
-    D = area2 * (a * b - g * g)
-    one = np.ones_like(T)
+    return xx * a + yy * b + 2 * xy * g, area2 * (a * b - g * g)
+
+
+def _invariant_derivatives(strain: Array, prestretch: Array) -> tuple[Array, Array, Array]:
+    """Return the derivatives of T and D by the strain, and the second one of D."""
+    xx, yy, xy, area2 = _squared(prestretch)
+    a, b, g = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
+    one = np.ones_like(a)
     T_e = 2 * np.stack([xx * one, yy * one, xy * one])
     D_e = 2 * area2 * np.stack([b, a, -g])
     rows = np.array([[0, 4, 0], [4, 0, 0], [0, 0, -2]], dtype=float)
-    return T, D, T_e, D_e, np.multiply.outer(rows, area2)
+    return T_e, D_e, np.multiply.outer(rows, area2)
+
+
+def _squared(prestretch: Array) -> tuple[Array, Array, Array, Array]:
+    """Return xx, yy and xy of the prestretch's square S S, and its determinant."""
+    S = prestretch
+    xx, yy = S[0, 0] ** 2 + S[0, 1] ** 2, S[1, 1] ** 2 + S[0, 1] ** 2
+    xy = S[0, 1] * (S[0, 0] + S[1, 1])
+    return xx, yy, xy, (S[0, 0] * S[1, 1] - S[0, 1] ** 2) ** 2
