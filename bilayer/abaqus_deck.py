@@ -32,6 +32,7 @@ from bilayer.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.settings import documented
 from bilayer.specimen import LAYERS, BondedLayer, Specimen
 from bilayer.specimen_file import specimen_to_toml
+from bilayer.support import HeldNodes, clamped_at_centre, held_upright
 from bilayer.surface import flat_surface
 from bilayer.validation import finite, one_of, positive
 from bilayer.version import __version__
@@ -324,7 +325,7 @@ def _step(
     control: int,
     settings: DeckSettings,
 ) -> Iterator[str]:
-    a, b, c = held_nodes(mesh)
+    a, b, c = held_nodes(mesh, specimen.gravity)
     held = parts[-1].nodes(INTERFACE)
     yield "*AMPLITUDE, NAME=VANISHING"
     yield "0., 1., 1., 0."
@@ -360,19 +361,12 @@ def _saddle_load(
         yield f"{node}, 3, {force:.6e}"
 
 
-def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
-    """Return the nodes that are held: near the centre and a third of the radius off along x and y.
+def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
+    """Return the nodes that are held, see `bilayer.support`, of those that carry kirigami.
 
-    They carry kirigami, because the substrate's nodes that do are eliminated. Under loads in
-    balance the six reactions vanish.
+    The substrate's nodes that do are eliminated.
     """
     carrying = np.unique(mesh.triangles[mesh.region == KIRIGAMI])
-    points = mesh.points[carrying]
-    arm = np.linalg.norm(points, axis=1).max() / 3
-    taken: list[int] = []
-    for target in ((0.0, 0.0), (arm, 0.0), (0.0, arm)):
-        distance = np.linalg.norm(points - target, axis=1)
-        distance[taken] = np.inf
-        taken.append(int(np.argmin(distance)))
-    a, b, c = carrying[taken]
+    choose = clamped_at_centre if gravity else held_upright
+    a, b, c = carrying[list(choose(mesh.points[carrying]))]
     return int(a), int(b), int(c)

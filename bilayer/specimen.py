@@ -241,6 +241,14 @@ class Specimen:
                 f"specimen.outer_radius = {self.outer_radius} m"
             )
 
+    @property
+    def kirigami_share(self) -> float:
+        """Part of the disc's area that the kirigami layer covers, from 0 to 1."""
+        if self.cut is None:
+            return 1.0
+        sectors = self.cut.strips * self.cut.cutout_angle / (2 * math.pi)
+        return 1.0 - sectors * (1.0 - (self.cut.inner_radius / self.outer_radius) ** 2)
+
     def bonded_layers(self, stretch: tuple[float, float]) -> tuple[BondedLayer, BondedLayer]:
         """Return both layers in the flat bonded state, the lower one first.
 

@@ -79,7 +79,7 @@ class DynamicRelease(StaticRelease):
         masses = np.repeat(lumped_masses(self._specimen, self._mesh, target), 3)
         return MovingBody(
             np.concatenate([masses, np.zeros(self._model.extra_dofs)]),
-            held_coordinates(self._mesh),
+            held_coordinates(self._held),
             energies=lambda now: self._model.energies(self._stretch_at(start, target, now)),
             load=lambda now: self._body(self._stretch_at(start, target, now)).load,
             damping_rate=self._settings.damping_rate,

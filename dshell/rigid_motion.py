@@ -1,20 +1,21 @@
 """Six held coordinates that take away the rigid motion and nothing else.
 
 One node is held in x, y and z, a far one in y and z, a third, off their line, in z. Elastic forces
-are in balance, so at an equilibrium without a load the reactions vanish and the shape is free; a
-weight is carried there, nearly all of it by the first node.
+are in balance, so at an equilibrium without a load the reactions vanish and the shape is free.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.planar_mesh import PlanarMesh
+from bilayer.specimen import Specimen
+from bilayer.support import HeldNodes, clamped_at_centre
 from dshell.assembly import coordinates_of
 
 Array = NDArray[np.float64]
 
 
-def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
+def held_nodes(mesh: PlanarMesh) -> HeldNodes:
     """Return the nodes that are held: the centre, a far one along x, one that spans the most."""
     centre = mesh.centre_node
     arms = mesh.points - mesh.points[centre]
@@ -23,7 +24,12 @@ def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
     return centre, far, side
 
 
-def held_coordinates(mesh: PlanarMesh) -> NDArray[np.int64]:
-    """Return the six coordinates, by their places in the state."""
-    a, b, c = coordinates_of(np.array(held_nodes(mesh)))
+def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
+    """Return the nodes where a specimen is held: under its weight see `bilayer.support`."""
+    return clamped_at_centre(mesh.points) if specimen.gravity else held_nodes(mesh)
+
+
+def held_coordinates(nodes: HeldNodes) -> NDArray[np.int64]:
+    """Return the six coordinates that are held at nodes, by their places in the state."""
+    a, b, c = coordinates_of(np.array(nodes))
     return np.concatenate([a, b[1:], c[2:]])

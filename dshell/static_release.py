@@ -29,7 +29,7 @@ from dshell.interface import bonded_interface
 from dshell.linear_solver import LinearSolver
 from dshell.masses import lumped_masses
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
-from dshell.rigid_motion import held_coordinates, held_nodes
+from dshell.rigid_motion import held_coordinates, support
 from dshell.settings import ReleaseSettings
 
 Array = NDArray[np.float64]
@@ -106,11 +106,12 @@ class StaticRelease:
         self._specimen, self._mesh, self._model, self._settings = specimen, mesh, model, settings
         stencils = [term.dofs for term in model.energies(UNSTRETCHED)]
         size = 3 * len(mesh.points) + model.extra_dofs
-        assembly = Assembly(size, stencils, held_coordinates(mesh))
+        self._held = support(specimen, mesh)
+        assembly = Assembly(size, stencils, held_coordinates(self._held))
         self._solver = EquilibriumSolver(assembly, linear_solver)
         self._longest_step = settings.longest_step * specimen.outer_radius
-        substrate = specimen.substrate
-        stiffness = substrate.material.young_modulus * substrate.thickness
+        layers = (specimen.substrate, specimen.kirigami)
+        stiffness = max(layer.material.young_modulus * layer.thickness for layer in layers)
         self._round_off = ROUND_OFF * stiffness * specimen.outer_radius
         self._branch = BRANCHES[settings.branch](
             self._solver, ESCAPE * specimen.substrate.thickness
@@ -127,7 +128,7 @@ class StaticRelease:
         mesh, depth = self._mesh, -self._model.bond_height(stretch)
         bond = starting_shape(result, mesh, max(stretch))
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
-        upright = placed(surface, mesh.points, held_nodes(mesh))
+        upright = placed(surface, mesh.points, self._held)
         guess = Equilibrium(stretch, self._state_of(upright))
         found = self._equilibrium(guess, stretch)
         return found if isinstance(found, Equilibrium) else self.flat()
@@ -277,10 +278,10 @@ def visit_milestones(
         The start is on another mesh, or has no milestone.
     """
     milestones = specimen.prestretch.milestones
+    begun = time.perf_counter()
     here = path.flat() if start is None else path.started(start, milestones[0])
     states: list[MilestoneState] = []
     for index, stretch in enumerate(milestones):
-        begun = time.perf_counter()
         failure = ""
         try:
             for equilibrium in path.approach(here, stretch):
@@ -288,7 +289,8 @@ def visit_milestones(
                 _report(progress, (index + (here.stretch == stretch)) / len(milestones), here)
         except ComputationError as error:
             failure = f"stopped at prestretch {max(here.stretch):.6g}: {error}"
-        states.append(path.milestone_state(here, not failure, time.perf_counter() - begun))
+        begun, since = time.perf_counter(), begun
+        states.append(path.milestone_state(here, not failure, begun - since))
         if failure:
             return states, failure
     return states, ""

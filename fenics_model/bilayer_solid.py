@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import BondedLayer, Layer, Specimen
+from bilayer.support import HeldNodes, clamped_at_centre, held_upright
 from fenics_model.layered_mesh import LayeredMesh
 from fenics_model.release_path import WEIGHT_WAY, ReleasePath
 from fenics_model.settings import SolidSettings
@@ -158,29 +159,14 @@ def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSett
     return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
 
 
-def held_nodes(mesh: PlanarMesh) -> tuple[int, int, int]:
-    """Return the nodes that are held: the centre and one a third of the radius away along x and y.
-
-    Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
-    """
-    centre = mesh.centre_node
-    arms = mesh.points - mesh.points[centre]
-    reach = np.linalg.norm(arms, axis=1).max() / 3
-    taken = [centre]
-    for target in ((reach, 0.0), (0.0, reach)):
-        distance = np.linalg.norm(arms - target, axis=1)
-        distance[taken] = np.inf
-        taken.append(int(np.argmin(distance)))
-    return taken[0], taken[1], taken[2]
+def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
+    """Return the nodes where a specimen is held, see `bilayer.support`."""
+    return clamped_at_centre(mesh.points) if specimen.gravity else held_upright(mesh.points)
 
 
-def held_points(mesh: PlanarMesh, volume: VolumeMesh) -> list[tuple[int, int]]:
-    """Choose six vertex components that take away the rigid motion and nothing else.
-
-    The centre node is held in x, y and z, the one along x in y and z, the one along y in z, all
-    at the interface. Under loads in balance their reactions vanish.
-    """
-    a, b, c = volume.interface[list(held_nodes(mesh))]
+def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
+    """Return the six vertex components at the interface that are held, by nodes of the plane."""
+    a, b, c = volume.interface[list(nodes)]
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
 
 
@@ -206,4 +192,4 @@ def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Consta
 def _saddle_shape(mesh: LayeredMesh, radius: float) -> Any:
     """(X^2 - Y^2) / R^2: a load that is in balance with itself on a disc."""
     X = ufl.SpatialCoordinate(mesh.mesh)
-    return (X[0] ** 2 - X[1] ** 2) / radius**2
+    return (X[0] ** 2 - X[1] ** 2) / _constant(mesh, radius) ** 2

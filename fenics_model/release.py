@@ -27,8 +27,8 @@ from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (
     BilayerSolid,
     bilayer_solid,
-    held_nodes,
     held_points,
+    support,
     uneven_lift,
 )
 from fenics_model.branch_fields import branch_dataset
@@ -147,13 +147,14 @@ class Release:
         self._settings, self._progress = settings, progress
         solid = body.solid
         self._comm = solid.mesh.mesh.comm
+        self._held = support(specimen, mesh)
         self._absent = solid.absent_pressures()
         self._stopwatch = Stopwatch()
         self._newton = Newton(
             solid.residual,
             solid.tangent,
             solid.state,
-            [*self._absent, *solid.held_points(held_points(mesh, solid.mesh.volume))],
+            [*self._absent, *solid.held_points(held_points(self._held, solid.mesh.volume))],
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
             stopwatch=self._stopwatch,
@@ -187,7 +188,6 @@ class Release:
 
     def _guide_along(self, shapes: Sequence[ShapeOnTheWay]) -> Guide:
         solid, ends = self._body.solid, self._body.path.milestones
-        held = held_nodes(self._mesh)
         return Guide(
             self._newton,
             solid,
@@ -201,7 +201,7 @@ class Release:
             ),
             {
                 ends[found.milestone] - found.remaining: placed(
-                    found.shape, self._mesh.points, held
+                    found.shape, self._mesh.points, self._held
                 )
                 for found in shapes
             },

@@ -7,8 +7,11 @@ from typing import Any, NoReturn
 from bilayer.errors import InputError
 from bilayer.mesh_generation import generate_mesh
 from bilayer.planar_mesh import PlanarMesh, read_planar_mesh
-from bilayer.specimen import Specimen
+from bilayer.specimen import KIRIGAMI, Specimen
 from bilayer.specimen_file import read_specimen
+
+CUT_TOLERANCE = 0.02
+"""Of the area, between what the kirigami of a mesh covers and what the cut leaves of it."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -81,7 +84,20 @@ def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
             f"mesh file {options.mesh}: its outermost node lies at {radius:g} m, expected "
             f"specimen.outer_radius = {specimen.outer_radius} m"
         )
+    if specimen.cut is not None:
+        _check_cut(options.mesh, mesh, specimen)
     return mesh
+
+
+def _check_cut(file: str, mesh: PlanarMesh, specimen: Specimen) -> None:
+    """Raise InputError where the kirigami of a mesh is not as large as the cut leaves it."""
+    covered = float(mesh.areas[mesh.region == KIRIGAMI].sum() / mesh.areas.sum())
+    expected = specimen.kirigami_share
+    if abs(covered - expected) > CUT_TOLERANCE:
+        raise InputError(
+            f"mesh file {file}: kirigami covers {covered:.1%} of it, expected {expected:.1%} by "
+            "[cut]; a mesh with a pattern of its own goes with a specimen without [cut]"
+        )
 
 
 def _milestone(word: str) -> Any:

@@ -22,7 +22,7 @@ from bilayer.errors import ComputationError, InputError
 from dshell.assembly import Assembly
 from dshell.hinge_model import HingeModel
 from dshell.linear_solver import best_linear_solver
-from dshell.rigid_motion import held_coordinates
+from dshell.rigid_motion import held_coordinates, held_nodes
 
 RINGS = (16, 32)
 """Of nodes in the discs: 2256 and 9120 hinges."""
@@ -61,7 +61,7 @@ def _our_cost(mesh: PlanarMesh) -> dict[str, Any]:
     begin = time.process_time()
     energies = HingeModel(specimen, mesh).energies(STRETCH)
     stencils = [term.dofs for term in energies]
-    assembly = Assembly(mesh.points.shape[0] * 3, stencils, held_coordinates(mesh))
+    assembly = Assembly(mesh.points.shape[0] * 3, stencils, held_coordinates(held_nodes(mesh)))
     set_up = time.process_time() - begin
     state = _bent(mesh).reshape(-1)
     solver = best_linear_solver()

@@ -67,7 +67,9 @@ def small_mismatch_curvature(mesh: PlanarMesh, stretch: float = 1.00003) -> np.n
     """Curvature of each face of a uniform bilayer, xx and yy, over laminate theory's."""
     specimen = ladder_disc()
     faces, flat = bilayer_faces(specimen, mesh, (stretch, stretch))
-    state = Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat))).solved(1e-8)
+    state = Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat))).solved(
+        1e-8
+    )
     expected = specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
     return faces.strains(state[faces.dofs])[3:5] / expected
 
@@ -154,7 +156,7 @@ def _scale(specimen: Specimen) -> float:
 def _uncut(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> Problem:
     stretch = stretch_of(mismatch, disc)
     faces, flat = bilayer_faces(disc, mesh, (stretch, stretch))
-    return Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat)))
+    return Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat)))
 
 
 def _released(
@@ -191,7 +193,7 @@ def timoshenko_strip(stretch: float, cells: int = 80) -> float:
     """Curvature of a strip of 80 x 6 mm in its middle third, prestretched along its length, 1/m."""
     mesh = rectangle(np.linspace(-0.04, 0.04, cells + 1), np.linspace(-0.003, 0.003, 7))
     faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, 1.0))
-    state = Problem(faces, flat, held_coordinates(mesh), np.zeros(len(flat))).solved()
+    state = Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat))).solved()
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.04 / 3
     areas = mesh.areas[middle]
     return float(faces.strains(state[faces.dofs])[3, middle] @ areas / areas.sum())

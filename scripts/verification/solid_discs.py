@@ -10,6 +10,7 @@ from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh_generation import generate_mesh
 from bilayer.result import result_mesh
+from bilayer.support import held_upright
 from dshell.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.bilayer_solid import bilayer_solid, held_points
@@ -83,7 +84,9 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     mesh = generate_mesh(specimen)
     body = bilayer_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
     solid = body.solid
-    newton = newton_of(solid, solid.held_points(held_points(mesh, solid.mesh.volume)))
+    newton = newton_of(
+        solid, solid.held_points(held_points(held_upright(mesh.points), solid.mesh.volume))
+    )
     mass = newton.assembled(solid.mass())
     found = []
     for _ in followed(solid, newton, body.load, body.path.milestones, 0.001):

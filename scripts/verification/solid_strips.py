@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 from bilayer import MooneyRivlin
 from bilayer.errors import ComputationError
+from bilayer.support import held_upright
 from fenics_model.bilayer_solid import held_points, natural_state
 from verification.solid_problem import (
     followed,
@@ -82,7 +83,7 @@ def timoshenko_strip(stretch: float, cells: int = 40) -> float:
     mesh = rectangle(length, width, cells, 4)
     volume = stacked(mesh, [THICKNESS, THICKNESS])
     solid = solid_of(volume, [SUBSTRATE, KIRIGAMI])
-    newton = newton_of(solid, solid.held_points(held_points(mesh, volume)))
+    newton = newton_of(solid, solid.held_points(held_points(held_upright(mesh.points), volume)))
     _release_along_x(solid, newton, stretch, first_step=0.001)
     moved = (volume.points + solid.vertex_displacements())[volume.interface]
     along, across = mesh.points.T

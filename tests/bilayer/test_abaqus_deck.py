@@ -88,10 +88,10 @@ def test_every_constraint_is_on_a_node_that_no_equation_eliminates():
 
 def test_held_nodes_carry_kirigami_where_the_nearest_ones_are_bare():
     mesh = hexagon_mesh()
-    usual = held_nodes(mesh)
+    usual = held_nodes(mesh, 0.0)
     bare = np.isin(mesh.triangles, usual[1:]).any(axis=1)
     cut = PlanarMesh(mesh.points, mesh.triangles, np.where(bare, BARE, KIRIGAMI))
-    held = held_nodes(cut)
+    held = held_nodes(cut, 0.0)
     assert held[0] == usual[0]
     assert len({*held}) == 3
     assert np.isin(held, cut.triangles[~bare]).all()

@@ -172,6 +172,12 @@ def test_a_mesh_of_another_size_is_refused(folder, capsys):
     assert "expected specimen.outer_radius = 0.05 m" in error_of(capsys, words)
 
 
+def test_a_mesh_of_another_cut_is_refused(folder, capsys):
+    assert main(["mesh", "specimen.toml", "-o", "m.vtk", *COARSE, "--quiet"]) == 0
+    words = [*SHELL, "--mesh", "m.vtk", "-o", "a.nc", "--set", "cut.strips=6"]
+    assert "of it, expected 72.5% by [cut]" in error_of(capsys, words)
+
+
 SQUARE = np.array([[0.0, 0.04], [-0.04, 0.0], [0.0, -0.04], [0.04, 0.0]])
 TWO = [[0, 1, 2], [0, 2, 3]]
 BAD_MESHES = {

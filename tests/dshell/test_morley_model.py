@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from bilayer import InputError, MeshSize, generate_mesh, solve
+from bilayer import InputError, MeshSize, PlanarMesh, generate_mesh, solve
+from bilayer.alignment import rms_distance
 from bilayer.solvers import settings_kind
 from dshell import MorleySettings
 
@@ -87,6 +89,18 @@ def test_weight_pulls_the_rim_down(coarse_specimen, coarse_mesh, released):
     assert heavy.position.values[0, coarse_mesh.rim_nodes, 2].mean() < -1.05 * float(
         released.height[0]
     )
+
+
+def test_a_weighted_dome_does_not_care_how_its_mesh_is_turned(coarse_specimen):
+    """It is held at its centre; held at the rim, it would be lifted at two of its nodes."""
+    specimen = replace(coarse_specimen, mesh=MeshSize(0.006), gravity=1.0).with_milestones([1.06])
+    mesh = generate_mesh(specimen)
+    turn = Rotation.from_rotvec([0, 0, 0.3]).as_matrix()[:2, :2]
+    turned = PlanarMesh(mesh.points @ turn.T, mesh.triangles, mesh.region)
+    first, second = (
+        solve(specimen, "dshell", mesh=each).position.values[0] for each in (mesh, turned)
+    )
+    assert rms_distance(first, second, np.ones(len(first))) < 0.005 * specimen.outer_radius
 
 
 @pytest.mark.parametrize(

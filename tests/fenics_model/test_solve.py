@@ -20,6 +20,8 @@ from bilayer import (
     paper_specimen,
     write_result,
 )
+from bilayer import solve as bilayer_solve
+from bilayer.comparison import compare
 from fenics_model import MODELS, SolidSettings, solve
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.012))
@@ -238,6 +240,16 @@ def test_the_weight_alone_bends_the_disc_down_onto_a_stable_shape(mesh):
     assert hanging["converged"].values.tolist() == [1]
     assert hanging["unstable_modes"].values.tolist() == [0]
     assert hanging["position"].values[0, :, 2].mean() < -5e-3
+
+
+@needs_dolfinx
+def test_a_weighted_dome_is_the_one_that_the_shell_finds():
+    """Both hold it at its centre, and q R^3 / D is about 1."""
+    heavy = replace(paper_specimen(), mesh=MeshSize(0.008), gravity=1.0).with_milestones([1.06])
+    mesh = generate_mesh(heavy)
+    shell, solid = (bilayer_solve(heavy, solver, mesh=mesh) for solver in ("dshell", "fenics"))
+    assert solid["converged"].values.tolist() == shell["converged"].values.tolist() == [1]
+    assert compare(solid, shell)["rms_distance_over_radius"].values[0] < 0.01
 
 
 @needs_dolfinx
