@@ -2,6 +2,9 @@
 
 from typing import Any
 
+INTERRUPTED = "interrupted"
+"""Why a run stopped that was told to."""
+
 
 class BilayerError(Exception):
     """Base of every error that this project raises on purpose; its text is one line."""

@@ -12,7 +12,19 @@ LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
 def join_mpi() -> None:
     """Start MPI where it is installed, so that only one of several ranks speaks and writes."""
     with contextlib.suppress(ImportError):
-        import mpi4py.MPI  # noqa: F401
+        import mpi4py.MPI
+
+        if mpi4py.MPI.COMM_WORLD.Get_size() > 1:
+            start_petsc()
+
+
+def start_petsc() -> None:
+    """Start PETSc and SLEPc where they are installed, on all ranks at once.
+
+    Their start waits for every rank; later some may have nothing to compute and never get there.
+    """
+    with contextlib.suppress(ImportError):
+        import slepc4py.SLEPc  # noqa: F401
 
 
 def is_first_rank() -> bool:

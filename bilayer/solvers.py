@@ -20,7 +20,7 @@ from typing import Any
 
 import xarray as xr
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import Specimen
 from bilayer.starting import with_waypoints
@@ -107,7 +107,10 @@ def _shell_result(specimen: Specimen, mesh: PlanarMesh) -> xr.Dataset:
     ComputationError
         It reaches no milestone.
     """
-    result = solve(with_waypoints(specimen), "dshell", mesh=mesh)
+    try:
+        result = solve(with_waypoints(specimen), "dshell", mesh=mesh)
+    except Interrupted as interrupted:  # its result is not that of the run
+        raise KeyboardInterrupt from interrupted
     if not result["converged"].any():
         raise ComputationError(f"the shell {result.attrs['stop_reason']}")
     return result

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.errors import InputError
+from bilayer.errors import INTERRUPTED, InputError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState
 from bilayer.solvers import Progress
@@ -80,11 +80,16 @@ def release_paper(
     """
     _check_input(specimen, start)
     ruled = replace(specimen, prestretch=replace(specimen.prestretch, thickness=settings.thickness))
-    releases = [
-        release(ruled, mesh, stretch, settings, _milestone_report(progress, specimen, index))
-        for index, stretch in enumerate(ruled.prestretch.milestones)
-    ]
-    reasons = [done.stop_reason for done in releases if done.stop_reason]
+    releases: list[Release] = []
+    try:
+        for index, stretch in enumerate(ruled.prestretch.milestones):
+            report = _milestone_report(progress, specimen, index)
+            releases.append(release(ruled, mesh, stretch, settings, report))
+        reasons = [done.stop_reason for done in releases if done.stop_reason]
+    except KeyboardInterrupt:
+        if not releases:
+            raise
+        reasons = [INTERRUPTED]
     return [done.state for done in releases], "; ".join(reasons)
 
 

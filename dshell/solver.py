@@ -6,7 +6,7 @@ from typing import Any
 import scipy
 import xarray as xr
 
-from bilayer.errors import InputError
+from bilayer.errors import INTERRUPTED, InputError, Interrupted
 from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, build_result
@@ -97,8 +97,8 @@ def solve(
     Parameters
     ----------
     specimen : Specimen
-        What to release. Its weight, if any, is a dead load along -z that the held nodes carry
-        (nearly all of it the centre node); the paper's model has none.
+        What to release. Its weight, if any, is a dead load along -z that the centre carries, see
+        `bilayer.support`; the paper's model has none.
     settings : MorleySettings, HingeSettings or PaperSettings, optional
         Their type chooses the model; the default model's defaults where left out.
     mesh : PlanarMesh, optional
@@ -127,7 +127,7 @@ def solve(
     model = _model_of(chosen)
     mesh = mesh_within_memory(specimen, mesh, BYTES_PER_TRIANGLE, "the discrete shell")
     states, stop_reason = _RELEASES[model](specimen, mesh, chosen, start, progress)
-    return build_result(
+    result = build_result(
         specimen,
         mesh,
         states,
@@ -137,6 +137,9 @@ def solve(
         versions={"scipy": scipy.__version__},
         stop_reason=stop_reason,
     )
+    if stop_reason == INTERRUPTED:
+        raise Interrupted(result)
+    return result
 
 
 def _model_of(settings: Any) -> str:

@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.alignment import aligned, placed
-from bilayer.errors import ComputationError
+from bilayer.errors import INTERRUPTED, ComputationError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, starting_shape
 from bilayer.solvers import Progress
@@ -37,7 +37,7 @@ Stretch = tuple[float, float]
 
 UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
-"""Residual force, over E t R of the substrate, that no equilibrium can be asked to go below."""
+"""Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
 """How far it is left along its unstable mode, over the substrate's thickness."""
 
@@ -289,6 +289,10 @@ def visit_milestones(
                 _report(progress, (index + (here.stretch == stretch)) / len(milestones), here)
         except ComputationError as error:
             failure = f"stopped at prestretch {max(here.stretch):.6g}: {error}"
+        except KeyboardInterrupt:
+            if not states:
+                raise
+            return states, INTERRUPTED
         begun, since = time.perf_counter(), begun
         states.append(path.milestone_state(here, not failure, begun - since))
         if failure:

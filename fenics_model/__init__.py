@@ -44,8 +44,8 @@ def solve(
     Parameters
     ----------
     specimen : Specimen
-        What to release. Its weight, if any, is a dead load along -z that the held points carry
-        (nearly all of it the centre node).
+        What to release. Its weight, if any, is a dead load along -z that the centre carries, see
+        `bilayer.support`.
     settings : SolidSettings, optional
         The defaults where left out.
     mesh : PlanarMesh, optional

@@ -1,5 +1,6 @@
 """Newton's method on a residual and its tangent: PETSc's SNES, open to the user's options."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from fenics_model.dolfinx_api import RESIDUAL_IS_NO_NUMBER
+from fenics_model.interruption import Interruption, interruption_put_off
 from fenics_model.petsc_options import UserOptions
 from fenics_model.tangent import ExtrapolatedTangent
 from fenics_model.work import Stopwatch
@@ -146,6 +148,7 @@ class Newton:
         self.snes.setJacobian(self._tangent, self.matrix)
         self.snes.setTolerances(max_it=iteration_limit)
         self._viscosity: Viscosity | None = None
+        self._interruption = Interruption()
         self._stopwatch = Stopwatch() if stopwatch is None else stopwatch
         self._options = UserOptions(options, DEFAULT_OPTIONS, PREFIX)
         with self._options.in_force():
@@ -181,7 +184,11 @@ class Newton:
 
     def _iterate(self) -> str:
         """Run PETSc's iteration from `_x`; return why it failed, or an empty text."""
-        with self._stopwatch.solving(), self._options.in_force():
+        with (
+            interruption_put_off() as self._interruption,
+            self._stopwatch.solving(),
+            self._options.in_force(),
+        ):
             try:
                 self.snes.solve(None, self._x)
             except PETSc.Error as error:
@@ -279,6 +286,8 @@ class Newton:
         self._assemble_residual(r)
         if self._viscosity is not None:
             r.axpy(1.0, self._viscosity.force(x))
+        if self._interruption.asked_for:
+            r.set(math.nan)  # ends the iteration
 
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from bilayer.alignment import placed
-from bilayer.errors import BilayerError, Interrupted
+from bilayer.errors import INTERRUPTED, BilayerError, Interrupted
 from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
@@ -53,9 +53,6 @@ from fenics_model.work import Stopwatch, Work
 
 REFERENCE_STRETCH = (1.001, 1.001)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
-
-INTERRUPTED = "interrupted"
-"""Why a run stopped that was told to."""
 
 FIRST_DISTANCE = 0.1
 """Of the walk off an unstable milestone, over the substrate's thickness."""

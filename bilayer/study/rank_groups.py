@@ -7,11 +7,10 @@ import os
 import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from typing import Any, TypeVar
 
 from bilayer.errors import BilayerError
-from bilayer.solvers import solver_package
+from bilayer.ranks import start_petsc
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
@@ -49,7 +48,7 @@ def compute_on_ranks(
     from mpi4py.util.sync import Counter
 
     threading.Thread(target=_end_with_the_launcher, args=(os.getppid(),), daemon=True).start()
-    _start_libraries(cases)
+    start_petsc()
     group = world.Split(world.Get_rank() // ranks_per_case, world.Get_rank())
     queue = Counter(comm=world)
     failure: BilayerError | None = None
@@ -94,14 +93,6 @@ def _end_with_the_launcher(launcher: int) -> None:
     while os.getppid() == launcher:
         time.sleep(1.0)
     os._exit(1)
-
-
-def _start_libraries(cases: Sequence[Case]) -> None:
-    """Start PETSc and SLEPc, which all ranks must do at once: later some may have no case left."""
-    if any(solver_package(case.solver).PARALLEL for case in cases):
-        with suppress(ImportError):  # each case will say so
-            import petsc4py.PETSc  # noqa: F401
-            import slepc4py.SLEPc  # noqa: F401
 
 
 def _wait_for_all(world: Any) -> None:

@@ -181,11 +181,12 @@ def test_what_a_killed_process_left_half_written_goes(study):
     assert {path.suffix for path in (out / "cases").iterdir()} == {".nc"}
 
 
-def test_a_rank_without_a_case_holds_up_no_other(study, bilayer_on_ranks):
+@pytest.mark.parametrize("solver", ["fenics", "dshell"])
+def test_a_rank_without_a_case_holds_up_no_other(study, bilayer_on_ranks, solver):
     """PETSc is started by all ranks at once, also by those that have nothing to compute."""
     pytest.importorskip("dolfinx")
     write, out = study
-    words = write('specimen = "specimen.toml"\nsolver = "fenics"\n[vary]\n'
+    words = write(f'specimen = "specimen.toml"\nsolver = "{solver}"\n[vary]\n'
                   '"prestretch.milestones" = [1.001]\n')  # fmt: skip
     bilayer_on_ranks(2, *words)
     assert len(log_lines(out, "done")) == 1

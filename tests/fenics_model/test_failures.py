@@ -12,6 +12,7 @@ pytest.importorskip("dolfinx")
 from bilayer import InputError, MeshSize, generate_mesh, paper_specimen
 from bilayer.errors import Interrupted
 from fenics_model import SolidSettings, solve
+from fenics_model.tangent import ExtrapolatedTangent
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 
@@ -69,10 +70,21 @@ def test_a_failed_run_leaves_nothing_behind(mesh):
         assert result["iterations"].values.tolist() == alone["iterations"].values.tolist()
 
 
-def test_an_interruption_keeps_the_milestones_done(mesh):
+@pytest.mark.parametrize("within_petsc", [False, True])
+def test_an_interruption_keeps_the_milestones_done(mesh, monkeypatch, within_petsc):
+    usual = ExtrapolatedTangent.advance
+
     def interrupt(fraction, message):
-        if fraction > 0.6:
+        if fraction <= 0.6:
+            return
+        if within_petsc:
+            monkeypatch.setattr(ExtrapolatedTangent, "advance", interrupted_advance)
+        else:
             os.kill(os.getpid(), signal.SIGINT)
+
+    def interrupted_advance(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        usual(self)
 
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
@@ -80,6 +92,7 @@ def test_an_interruption_keeps_the_milestones_done(mesh):
             solve(COARSE.with_milestones([1.01, 1.02, 1.03]), mesh=mesh, progress=interrupt)
     finally:
         signal.signal(signal.SIGINT, before)
+        monkeypatch.undo()
     kept = raised.value.result
     assert kept["converged"].values[0] == 1
     assert kept["converged"].values[-1] == 0
