@@ -107,7 +107,11 @@ def comparison_table(comparison: xr.Dataset) -> str:
     for title, name in (("unstable", "unstable"), ("contact", "touches_itself")):
         if comparison[name].any():
             for side, result in sides:
-                columns[title, side] = ["yes" if found else "no" for found in result[name].values]
+                reached = result["converged"].values
+                columns[title, side] = [
+                    ("yes" if found else "no") if there else "-"
+                    for found, there in zip(result[name].values, reached, strict=True)
+                ]
     heading = f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}"
     return f"{heading}\n{pd.DataFrame(columns).to_string(index=False)}"
 

@@ -1,7 +1,8 @@
 """A result computed again from what its own file holds, and whether the numbers agree.
 
 Specimen, settings and planar mesh come from the file, so that neither a changed default nor another
-version of gmsh counts. On one machine two serial runs agree to the last bit.
+version of gmsh counts. On one machine two serial runs agree to the last bit. A run that another
+result started begins as usual: the file does not hold that one.
 """
 
 import shlex
@@ -14,7 +15,8 @@ import xarray as xr
 
 from bilayer.result import result_mesh, result_specimen
 from bilayer.settings import settings_from
-from bilayer.solvers import Progress, settings_kind, solve
+from bilayer.solvers import Progress, settings_kind, solve, solver_package
+from bilayer.starting import ANOTHER_RESULT, FLAT
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
@@ -49,14 +51,27 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
         result.attrs["solver"],
         settings,
         mesh=result_mesh(result),
+        start=FLAT if result.attrs.get("start") == FLAT else None,
         progress=progress,
     )
 
 
-def solve_command(result: xr.Dataset) -> str:
-    """Return the command that computes a result again from its specimen's file.
+def began_elsewhere(result: xr.Dataset) -> bool:
+    """Whether a result was started from another one, of which it only keeps what it was."""
+    return str(result.attrs.get("start", "")).startswith(ANOTHER_RESULT)
 
-    Settings at their defaults are left out.
+
+def solve_command(result: xr.Dataset, file: str) -> str:
+    """Return the command that computes a result again from its specimen's file and its own mesh.
+
+    Settings at their defaults, and the usual start, are left out.
+
+    Parameters
+    ----------
+    result : Dataset
+        From `bilayer.open_result`.
+    file : str
+        Where it is.
 
     Raises
     ------
@@ -65,11 +80,15 @@ def solve_command(result: xr.Dataset) -> str:
     """
     solver, model = result.attrs["solver"], result.attrs["model"]
     defaults = vars(settings_kind(solver, model)())
-    words = ["bilayer", "solve", "specimen.toml", "--solver", solver, "--model", model]
+    words = ["bilayer", "solve", "again.toml", "--solver", solver, "--model", model]
     for name, value in tomllib.loads(result.attrs["settings"]).items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
-    return shlex.join([*words, "-o", "again.nc"])
+    if result.attrs.get("start") == FLAT != solver_package(solver).DEFAULT_START:
+        words += ["--start", FLAT]
+    if began_elsewhere(result):
+        words += ["--start", "START.nc"]
+    return shlex.join([*words, "--mesh", file, "-o", "again.nc"])
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:

@@ -33,6 +33,7 @@ from bilayer.figure_style import (
 from bilayer.planar_mesh import KIRIGAMI, PlanarMesh
 from bilayer.result import result_mesh
 from bilayer.surface import Surface
+from bilayer.table_text import stretch_text, stretches
 
 Array = NDArray[np.float64]
 
@@ -127,6 +128,7 @@ def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
 
 def _shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
     """Shapes of all milestones that have one, in the body frame."""
+    pairs = stretches(result)
     shapes = []
     for k, note in enumerate(caveats(result)):
         milestone = result.isel(prestretch=k)
@@ -136,7 +138,7 @@ def _shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"
         if np.isfinite(position).all():
             upright = MILLIMETRES * body_frame(mesh, position).coordinates(position)
-            title = f"λ = {float(milestone['prestretch']):g}"
+            title = f"λ = {stretch_text(pairs[k])}"
             shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
     if not shapes:
         raise InputError(f"the result of {result_label(result)} holds no shape to draw")

@@ -19,6 +19,10 @@ from bilayer.specimen import Specimen
 LONGEST_WAY = 0.06
 """Change of the prestretch after which a start has another shape on the way to a milestone."""
 
+FLAT = "flat"
+ANOTHER_RESULT = "another result: "
+"""How a result says what it was started from: flat, by another result, or by itself (the shell)."""
+
 Stretch = tuple[float, float]
 
 

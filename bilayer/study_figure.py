@@ -95,6 +95,8 @@ def study_table(
     for option, name in (("x", x), ("hue", hue), *(("select", name) for name in chosen)):
         _check_known(option, name, names)
     scalars = [str(name) for name in study.data_vars if _is_scalar(study[name])]
+    if not scalars:
+        raise InputError("no case of the study is finished yet: nothing to draw")
     _check_known("y", y, scalars)
     like = study["converged"]
     judged = study[[y, "converged"]].assign(

@@ -22,7 +22,13 @@ from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from bilayer.starting import ShapeOnTheWay, described, shapes_on_the_way
+from bilayer.starting import (
+    ANOTHER_RESULT,
+    FLAT,
+    ShapeOnTheWay,
+    described,
+    shapes_on_the_way,
+)
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (
     BilayerSolid,
@@ -335,9 +341,9 @@ def _made_start(
 ) -> tuple[xr.Dataset | None, str]:
     """Return a start, made where it is not there yet, and what is said of it."""
     if start is None:
-        return None, "flat"
+        return None, FLAT
     if isinstance(start, xr.Dataset):
-        return start, described(start)
+        return start, ANOTHER_RESULT + described(start)
     try:
         made: xr.Dataset = from_first_rank(comm, lambda: start(mesh))
     except BilayerError as error:

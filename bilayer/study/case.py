@@ -14,6 +14,9 @@ from bilayer.solvers import solver_package
 from bilayer.specimen import Specimen
 from bilayer.specimen_file import specimen_to_toml
 
+BYTES_OF_A_PROCESS = 290_000_000
+"""The interpreter with its libraries, the most that `scripts/studies/overhead.py` finds."""
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -70,13 +73,17 @@ class Case:
 
     @property
     def memory(self) -> float:
-        """Estimated memory, bytes."""
+        """Estimated memory of the process that computes it, bytes."""
+        return BYTES_OF_A_PROCESS + self._model_memory
+
+    @property
+    def _model_memory(self) -> float:
         return self.triangles * float(solver_package(self.solver).BYTES_PER_TRIANGLE)
 
     @property
     def cost(self) -> float:
         """Estimated effort, in no particular unit: memory to fill times milestones to reach."""
-        return self.memory * self.milestones
+        return self._model_memory * self.milestones
 
     def __str__(self) -> str:
         """Return the varied values, as "solver = dshell, cut.strips = 5"."""

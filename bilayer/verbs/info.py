@@ -41,6 +41,6 @@ def _to_run_again(path: str, result: xr.Dataset) -> str:
         "\nTo run it again, with the versions above:\n"
         f"  bilayer rerun {file}\n"
         "or step by step:\n"
-        f"  bilayer info {file} --specimen > specimen.toml\n"
-        f"  {solve_command(result)}"
+        f"  bilayer info {file} --specimen > again.toml\n"
+        f"  {solve_command(result, path)}"
     )

@@ -2,11 +2,13 @@
 
 import argparse
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NoReturn
 
 from bilayer.errors import InputError
 from bilayer.mesh_generation import generate_mesh
 from bilayer.planar_mesh import PlanarMesh, read_planar_mesh
+from bilayer.result import open_result, result_mesh
 from bilayer.specimen import KIRIGAMI, Specimen
 from bilayer.specimen_file import read_specimen
 
@@ -60,7 +62,9 @@ def add_case_arguments(verb: Parser) -> None:
         "--prestretch", nargs="+", metavar="L",
         help="milestones instead of the file's; L, or LX,LY for two directions",
     )  # fmt: skip
-    verb.add_argument("--mesh", metavar="FILE", help="a planar mesh instead of a generated one")
+    verb.add_argument(
+        "--mesh", metavar="FILE", help="a planar mesh, or a result's, instead of a generated one"
+    )
 
 
 def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
@@ -77,7 +81,10 @@ def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
     """Return the mesh of the command line, as large as the specimen, or a generated one."""
     if options.mesh is None:
         return generate_mesh(specimen)
-    mesh = read_planar_mesh(options.mesh)
+    if Path(options.mesh).suffix == ".nc":
+        mesh = result_mesh(open_result(options.mesh))
+    else:
+        mesh = read_planar_mesh(options.mesh)
     radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
     if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
         raise InputError(

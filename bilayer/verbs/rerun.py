@@ -1,13 +1,14 @@
 """The verb `rerun`: a result computed again, and whether the numbers agree."""
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
 from bilayer.output_file import check_writable
 from bilayer.progress import progress_bar
 from bilayer.ranks import is_first_rank, join_mpi
-from bilayer.rerun import AGREEMENT, agree, differences, rerun
+from bilayer.rerun import AGREEMENT, agree, began_elsewhere, differences, rerun
 from bilayer.result import open_result, write_result
 from bilayer.solvers import solver_package
 from bilayer.verbs.parser import add_verb
@@ -32,6 +33,12 @@ def run(options: argparse.Namespace) -> int:
         return 0  # the first rank computes alone
     if options.output is not None:
         check_writable(Path(options.output))
+    if first and began_elsewhere(result):
+        print(
+            f"bilayer: it was started from {result.attrs['start']}, which it does not hold; "
+            "computed as usual",
+            file=sys.stderr,
+        )
     title = f"{result.attrs['solver']} {result.attrs['model']}"
     with progress_bar(title, shown=first and not options.quiet) as progress:
         again = rerun(result, progress)

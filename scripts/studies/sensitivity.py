@@ -126,7 +126,7 @@ def _stiffer(material: bilayer.MooneyRivlin, factor: float) -> bilayer.MooneyRiv
 
 
 def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Change of the quality with 1 %% of a parameter.")
+    parser = argparse.ArgumentParser(description="Change of the quality with 1 % of a parameter.")
     parser.add_argument("specimen", nargs="?", help="a TOML file; the paper's if left out")
     parser.add_argument("--solver", default="dshell", choices=["dshell", "fenics"])
     parser.add_argument("--mesh-size", type=float, default=0.006, metavar="M")

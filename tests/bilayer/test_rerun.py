@@ -1,12 +1,14 @@
 """A result computed again from its own file: the same numbers, or it says that they are not."""
 
+import shlex
+
 import numpy as np
 import pytest
 from made_results import cap_result, small_specimen
 
 from bilayer import open_result, write_result
 from bilayer.command_line import main
-from bilayer.rerun import agree, differences
+from bilayer.rerun import agree, differences, solve_command
 from bilayer.specimen_file import specimen_to_toml
 
 SHELL = ["--solver", "dshell", "--model", "hinge", "--prestretch", "1.03", "1.06"]
@@ -41,6 +43,37 @@ def test_a_file_that_this_program_does_not_make_is_told(stored, tmp_path, capsys
     assert capsys.readouterr().out == "The two runs DO NOT AGREE.\n"
 
 
+def test_the_commands_that_info_prints_compute_it_again(stored, tmp_path, capsys, monkeypatch):
+    """Also where the mesh is not the one that the specimen would get."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.toml").write_text(specimen_to_toml(small_specimen()))
+    solve = ["solve", "s.toml", *SHELL, "--mesh", str(stored), "--set", "mesh.size=0.02"]
+    assert main([*solve, "-o", "other.nc", "--quiet"]) == 0
+    assert main(["info", "other.nc"]) == 0
+    *_, write, compute = capsys.readouterr().out.splitlines()
+    words, file = shlex.split(write), tmp_path / "again.toml"
+    assert words[-2:] == [">", "again.toml"]
+    assert main(words[1:-2]) == 0
+    file.write_text(capsys.readouterr().out)
+    assert main([*shlex.split(compute)[1:], "--quiet"]) == 0
+    first, again = open_result("other.nc"), open_result("again.nc")
+    np.testing.assert_array_equal(again["position"].values, first["position"].values)
+
+
+def test_a_start_is_told_and_kept_where_it_can_be(stored, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.toml").write_text(specimen_to_toml(small_specimen()))
+    led = ["solve", "s.toml", *SHELL, "--start", str(stored), "-o", "led.nc", "--quiet"]
+    assert main(led) == 0
+    result = open_result("led.nc")
+    assert result.attrs["start"].startswith("another result: dshell, model hinge")
+    assert "--start START.nc" in solve_command(result, "led.nc")
+    assert main(["rerun", "led.nc", "--quiet"]) in (0, 1)
+    assert "which it does not hold" in capsys.readouterr().err
+    stepped = open_result(stored).assign_attrs(solver="fenics", model="solid", settings="")
+    assert "--start flat" in solve_command(stepped, "a.nc")
+
+
 def test_differences_are_the_largest_of_each_variable():
     first = cap_result()
     second = first.copy(deep=True)
@@ -65,9 +98,9 @@ def test_info_prints_the_command_that_makes_a_result_again(stored, tmp_path, cap
     told = capsys.readouterr().out
     assert f"bilayer rerun {stored}" in told
     (line,) = [line for line in told.splitlines() if "bilayer solve" in line]
-    words = line.split("bilayer solve specimen.toml ")[1].split()
+    words = line.split("bilayer solve again.toml ")[1].split()
     assert words == ["--solver", "dshell", "--model", "hinge", "--set", "solver.ramp=0.02",
-                     "-o", "again.nc"]  # fmt: skip
+                     "--mesh", str(stored), "-o", "again.nc"]  # fmt: skip
     words[-1] = str(tmp_path / "again.nc")
     assert main(["solve", str(tmp_path / "again.toml"), *words, "--quiet"]) == 0
     again = open_result(tmp_path / "again.nc")
