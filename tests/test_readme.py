@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from bilayer.specimen_file import template
+
 README = Path(__file__).parents[1] / "README.md"
 
 
@@ -14,6 +16,7 @@ README = Path(__file__).parents[1] / "README.md"
 def test_the_python_script_of_the_readme(tmp_path):
     scripts = re.findall(r"```python\n(.*?)```", README.read_text(), flags=re.DOTALL)
     assert len(scripts) == 1
+    (tmp_path / "specimen.toml").write_text(template())  # as `bilayer init` has made it before
     done = subprocess.run(
         [sys.executable, "-c", scripts[0]], cwd=tmp_path, capture_output=True, text=True
     )

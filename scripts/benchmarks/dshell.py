@@ -53,12 +53,13 @@ def tables(options: argparse.Namespace) -> Iterator[str]:
     if options.peer is not None:
         interpreter = options.peer_python or options.peer / ".venv" / "bin" / "python"
         peer.check_peer(options.peer, interpreter)
+        beside_the_peer = _beside_the_peer(options.peer, interpreter)  # first: it may fail
     sizes = [*options.triangles, *([options.largest] if options.largest else [])]
     yield from _by_mesh(sizes)
     yield _iterations(options.triangles)
     yield _linear_solvers(options.triangles)
     if options.peer is not None:
-        yield _beside_the_peer(options.peer, interpreter)
+        yield beside_the_peer
 
 
 def _by_mesh(sizes: list[int]) -> Iterator[str]:
