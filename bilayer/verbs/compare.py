@@ -1,6 +1,7 @@
 """The verb `compare`: two results beside one another."""
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from bilayer.comparison import compare, comparison_table
@@ -24,6 +25,9 @@ def run(options: argparse.Namespace) -> int:
 
     first, second = (open_result(path) for path in options.results)
     comparison = compare(first, second)
+    if comparison.attrs["first"] == comparison.attrs["second"]:  # the files tell them apart
+        for side, path in zip(("first", "second"), options.results, strict=True):
+            comparison.attrs[side] += f" ({Path(path).name})"
     if not options.quiet:
         print(comparison_table(comparison))
     if options.output is not None:

@@ -159,6 +159,12 @@ def test_bad_input_is_one_line_and_status_2(folder, capsys, words, message):
     assert [path.name for path in folder.iterdir()] == ["specimen.toml"]
 
 
+def test_two_results_of_one_model_are_told_apart_by_their_files(folder, shell_file, capsys):
+    (folder / "copy.nc").write_bytes(shell_file.read_bytes())
+    assert main(["compare", str(shell_file), "copy.nc"]) == 0
+    assert f"({shell_file.name})    b: dshell paper (copy.nc)" in capsys.readouterr().out
+
+
 def test_results_of_other_specimens_are_not_compared(folder, shell_file, capsys):
     words = [*SHELL, "--prestretch", "1.03", "-o", "b.nc", "--set", "substrate.thickness=0.002"]
     assert main([*words, "--quiet"]) == 0
