@@ -32,7 +32,7 @@ from bilayer.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.settings import documented
 from bilayer.specimen import LAYERS, BondedLayer, Specimen
 from bilayer.specimen_file import specimen_to_toml
-from bilayer.support import HeldNodes, clamped_at_centre, held_upright
+from bilayer.support import HeldNodes, support
 from bilayer.surface import flat_surface
 from bilayer.validation import finite, one_of, positive
 from bilayer.version import __version__
@@ -367,6 +367,5 @@ def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
     The substrate's nodes that do are eliminated.
     """
     carrying = np.unique(mesh.triangles[mesh.region == KIRIGAMI])
-    choose = clamped_at_centre if gravity else held_upright
-    a, b, c = carrying[list(choose(mesh.points[carrying]))]
+    a, b, c = carrying[list(support(mesh.points[carrying], gravity))]
     return int(a), int(b), int(c)

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import sys
+from importlib import import_module
 from typing import Any
 
 LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
@@ -23,8 +24,9 @@ def start_petsc() -> None:
 
     Their start waits for every rank; later some may have nothing to compute and never get there.
     """
-    with contextlib.suppress(ImportError):
-        import slepc4py.SLEPc  # noqa: F401
+    for library in ("petsc4py.PETSc", "slepc4py.SLEPc"):
+        with contextlib.suppress(ImportError):
+            import_module(library)
 
 
 def is_first_rank() -> bool:

@@ -84,6 +84,11 @@ def shapes_on_the_way(
     return found
 
 
+def began(start: xr.Dataset | None) -> str:
+    """Return what a result says of what it was told to start from."""
+    return FLAT if start is None else ANOTHER_RESULT + described(start)
+
+
 def described(start: xr.Dataset) -> str:
     """Return in a line what a start is and what it took."""
     iterations, seconds = int(start["iterations"].sum()), float(start["wall_time"].sum())

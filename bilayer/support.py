@@ -13,37 +13,43 @@ HeldNodes = tuple[int, int, int]
 """The one held in x, y and z, the one along x from it held in y and z, and the one held in z."""
 
 
-def held_upright(points: NDArray[np.float64]) -> HeldNodes:
-    """Choose the node nearest to the origin and those a third of the radius away along x and y.
-
-    Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
+def support(points: NDArray[np.float64], gravity: float) -> HeldNodes:
+    """Choose where a body is held, by whether it has a weight; see the module.
 
     Parameters
     ----------
     points : (n, 2) array of float
         Nodes of the flat state, m.
+    gravity : float
+        Acceleration of the weight, m/s2.
     """
-    return _held_at(points, _distances(points).max() / 3)
+    return clamped_at_centre(points) if gravity else held_upright(points)
+
+
+def held_upright(points: NDArray[np.float64]) -> HeldNodes:
+    """Choose the node nearest to the origin and those a third of the radius away along x and y.
+
+    Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
+    """
+    arms = _arms(points)
+    return _held_at(arms, np.linalg.norm(arms, axis=1).max() / 3)
 
 
 def clamped_at_centre(points: NDArray[np.float64]) -> HeldNodes:
-    """Choose the node nearest to the origin and its neighbours along x and y; see the module."""
-    return _held_at(points, np.partition(_distances(points), 1)[1])
+    """Choose the node nearest to the origin and its neighbours along x and y."""
+    arms = _arms(points)
+    return _held_at(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
 
 
-def _held_at(points: NDArray[np.float64], arm: float) -> HeldNodes:
-    arms = points - points[_centre(points)]
+def _arms(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the ways to all nodes from the one nearest to the origin, m."""
+    return points - points[np.argmin(np.linalg.norm(points, axis=1))]
+
+
+def _held_at(arms: NDArray[np.float64], reach: float) -> HeldNodes:
     taken: list[int] = []
-    for target in ((0.0, 0.0), (arm, 0.0), (0.0, arm)):
+    for target in ((0.0, 0.0), (reach, 0.0), (0.0, reach)):
         distance = np.linalg.norm(arms - target, axis=1)
         distance[taken] = np.inf
         taken.append(int(np.argmin(distance)))
     return taken[0], taken[1], taken[2]
-
-
-def _distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.linalg.norm(points - points[_centre(points)], axis=1))
-
-
-def _centre(points: NDArray[np.float64]) -> int:
-    return int(np.argmin(np.linalg.norm(points, axis=1)))

@@ -12,7 +12,7 @@ from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from bilayer.starting import ANOTHER_RESULT, FLAT, described
+from bilayer.starting import began
 from dshell.dynamic_release import DynamicRelease
 from dshell.hinge_model import HingeModel
 from dshell.linear_solver import best_linear_solver
@@ -138,7 +138,7 @@ def solve(
         versions={"scipy": scipy.__version__},
         stop_reason=stop_reason,
     )
-    result.attrs["start"] = FLAT if start is None else ANOTHER_RESULT + described(start)
+    result.attrs["start"] = began(start)
     if stop_reason == INTERRUPTED:
         raise Interrupted(result)
     return result

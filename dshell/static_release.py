@@ -293,8 +293,9 @@ def visit_milestones(
             if not states:
                 raise
             return states, INTERRUPTED
-        begun, since = time.perf_counter(), begun
-        states.append(path.milestone_state(here, not failure, begun - since))
+        now = time.perf_counter()
+        states.append(path.milestone_state(here, not failure, now - begun))
+        begun = now
         if failure:
             return states, failure
     return states, ""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import BondedLayer, Layer, Specimen
-from bilayer.support import HeldNodes, clamped_at_centre, held_upright
+from bilayer.support import HeldNodes
 from fenics_model.layered_mesh import LayeredMesh
 from fenics_model.release_path import WEIGHT_WAY, ReleasePath
 from fenics_model.settings import SolidSettings
@@ -157,11 +157,6 @@ def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSett
         for part in parts
     ]
     return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
-
-
-def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
-    """Return the nodes where a specimen is held, see `bilayer.support`."""
-    return clamped_at_centre(mesh.points) if specimen.gravity else held_upright(mesh.points)
 
 
 def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:

@@ -23,18 +23,17 @@ from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from bilayer.starting import (
-    ANOTHER_RESULT,
-    FLAT,
     ShapeOnTheWay,
+    began,
     described,
     shapes_on_the_way,
 )
+from bilayer.support import support
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (
     BilayerSolid,
     bilayer_solid,
     held_points,
-    support,
     uneven_lift,
 )
 from fenics_model.branch_fields import branch_dataset
@@ -150,7 +149,7 @@ class Release:
         self._settings, self._progress = settings, progress
         solid = body.solid
         self._comm = solid.mesh.mesh.comm
-        self._held = support(specimen, mesh)
+        self._held = support(mesh.points, specimen.gravity)
         self._absent = solid.absent_pressures()
         self._stopwatch = Stopwatch()
         self._newton = Newton(
@@ -340,10 +339,8 @@ def _made_start(
     start: xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None, mesh: PlanarMesh, comm: MPI.Comm
 ) -> tuple[xr.Dataset | None, str]:
     """Return a start, made where it is not there yet, and what is said of it."""
-    if start is None:
-        return None, FLAT
-    if isinstance(start, xr.Dataset):
-        return start, ANOTHER_RESULT + described(start)
+    if start is None or isinstance(start, xr.Dataset):
+        return start, began(start)
     try:
         made: xr.Dataset = from_first_rank(comm, lambda: start(mesh))
     except BilayerError as error:

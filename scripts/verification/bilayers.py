@@ -67,9 +67,8 @@ def small_mismatch_curvature(mesh: PlanarMesh, stretch: float = 1.00003) -> np.n
     """Curvature of each face of a uniform bilayer, xx and yy, over laminate theory's."""
     specimen = ladder_disc()
     faces, flat = bilayer_faces(specimen, mesh, (stretch, stretch))
-    state = Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat))).solved(
-        1e-8
-    )
+    held = held_coordinates(held_nodes(mesh))
+    state = Problem(faces, flat, held, np.zeros(len(flat))).solved(1e-8)
     expected = specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
     return faces.strains(state[faces.dofs])[3:5] / expected
 

@@ -84,9 +84,8 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     mesh = generate_mesh(specimen)
     body = bilayer_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
     solid = body.solid
-    newton = newton_of(
-        solid, solid.held_points(held_points(held_upright(mesh.points), solid.mesh.volume))
-    )
+    held = held_points(held_upright(mesh.points), solid.mesh.volume)
+    newton = newton_of(solid, solid.held_points(held))
     mass = newton.assembled(solid.mass())
     found = []
     for _ in followed(solid, newton, body.load, body.path.milestones, 0.001):

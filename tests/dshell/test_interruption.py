@@ -1,4 +1,4 @@
-"""Ctrl-C keeps the milestones that are done, with every model and method."""
+"""Ctrl-C keeps the milestones that are done, with every model."""
 
 import pytest
 
