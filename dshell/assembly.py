@@ -16,11 +16,24 @@ from scipy.sparse import csc_matrix
 Array = NDArray[np.float64]
 
 
-class Energy(Protocol):
-    """A sum of like element energies, each of the values of its own degrees of freedom.
+class Deformed(Protocol):
+    """The elements of an energy in one state; what one derivative needs serves the next."""
 
-    `dofs` has shape (n, ...), and so have the values that the functions are called with.
-    """
+    def energy(self) -> Array:
+        """Return each element's energy, J, shape (n,)."""
+
+    def gradient(self) -> Array:
+        """Return its derivative by the element's degrees of freedom, N, shape (n, ...)."""
+
+    def hessian(self) -> Array:
+        """Return its second derivative, N/m, shape (n, k, k)."""
+
+    def convex_hessian(self) -> Array:
+        """Return a matrix near to it without negative eigenvalues, N/m, shape (n, k, k)."""
+
+
+class Energy(Protocol):
+    """A sum of like element energies, each of the values of its own degrees of freedom."""
 
     @property
     def name(self) -> str:
@@ -30,17 +43,8 @@ class Energy(Protocol):
     def dofs(self) -> NDArray[np.int64]:
         """Degrees of freedom of each element, k of them, shape (n, ...)."""
 
-    def energy(self, values: Array) -> Array:
-        """Return each element's energy, J, shape (n,), from values of shape (n, ...) in m."""
-
-    def gradient(self, values: Array) -> Array:
-        """Return its derivative by the values, N, shape (n, ...)."""
-
-    def hessian(self, values: Array) -> Array:
-        """Return its second derivative, N/m, shape (n, k, k)."""
-
-    def convex_hessian(self, values: Array) -> Array:
-        """Return a matrix near to it without negative eigenvalues, N/m, shape (n, k, k)."""
+    def at(self, values: Array) -> Deformed:
+        """Return the elements in a state; the values have the shape of `dofs`, in m."""
 
 
 class Assembly:
@@ -79,34 +83,39 @@ class Assembly:
         columns, self._rows = np.divmod(pattern[:stored], max(count, 1))
         self._column_starts = np.searchsorted(columns, np.arange(count + 1))
 
-    def gradient(self, energies: Sequence[Energy], state: Array) -> Array:
-        """Return the derivative of the energies by the whole state, N, in the state's shape."""
-        flat = state.reshape(-1)
-        parts = [term.gradient(flat[term.dofs]).reshape(-1) for term in energies]
+    def energies(self, deformed: Sequence[Deformed]) -> list[float]:
+        """Return the total of each energy, J."""
+        return [float(part.energy().sum()) for part in deformed]
+
+    def gradient(self, deformed: Sequence[Deformed]) -> Array:
+        """Return the derivative of the energies by the whole state, N, shape (dofs,).
+
+        Parameters
+        ----------
+        deformed : sequence of Deformed
+            The energies that the assembly was made for, in their order, in one state.
+        """
+        parts = [part.gradient().reshape(-1) for part in deformed]
         total = np.bincount(self._dofs, np.concatenate(parts), minlength=self.size)
-        return total.reshape(state.shape).astype(np.float64, copy=False)
+        return total.astype(np.float64, copy=False)
 
     def hessian(
-        self, energies: Sequence[Energy], state: Array, diagonal: Array | float = 0.0
+        self, deformed: Sequence[Deformed], diagonal: Array | float = 0.0
     ) -> csc_matrix:
         """Return the second derivative by the free dofs, N/m, plus a diagonal.
 
         Parameters
         ----------
-        energies : sequence of Energy
-            On the stencils that the assembly was made for, in their order.
-        state : array of float
-            Values of all degrees of freedom, m, in any shape.
+        deformed : sequence of Deformed
+            As for `gradient`.
         diagonal : (free dofs,) array of float or float
             Added to the diagonal, N/m.
         """
-        flat = state.reshape(-1)
-        return self._matrix([term.hessian(flat[term.dofs]) for term in energies], diagonal)
+        return self._matrix([part.hessian() for part in deformed], diagonal)
 
-    def convex_hessian(self, energies: Sequence[Energy], state: Array) -> csc_matrix:
+    def convex_hessian(self, deformed: Sequence[Deformed]) -> csc_matrix:
         """Return the like of `hessian` that has no negative eigenvalue."""
-        flat = state.reshape(-1)
-        return self._matrix([term.convex_hessian(flat[term.dofs]) for term in energies], 0.0)
+        return self._matrix([part.convex_hessian() for part in deformed], 0.0)
 
     def _matrix(self, parts: list[Array], diagonal: Array | float) -> csc_matrix:
         stored = len(self._rows)
@@ -118,10 +127,16 @@ class Assembly:
         return csc_matrix((data, self._rows, self._column_starts), shape=(size, size))
 
 
+def deform(energies: Sequence[Energy], state: Array) -> list[Deformed]:
+    """Return each energy's elements in a state, the values of all dofs in m, in any shape."""
+    flat = state.reshape(-1)
+    return [term.at(flat[term.dofs]) for term in energies]
+
+
 def total_energies(energies: Sequence[Energy], state: Array) -> dict[str, float]:
     """Return the total of each energy by its name, J."""
-    flat = state.reshape(-1)
-    return {term.name: float(term.energy(flat[term.dofs]).sum()) for term in energies}
+    parts = zip(energies, deform(energies, state), strict=True)
+    return {term.name: float(part.energy().sum()) for term, part in parts}
 
 
 def coordinates_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:

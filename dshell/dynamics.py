@@ -19,7 +19,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy
+from dshell.assembly import Assembly, Energy, deform
 
 Array = NDArray[np.float64]
 
@@ -248,13 +248,15 @@ def _step(
     for iterations in range(rule.max_iterations + 1):
         velocity: Array = np.divide(position - old.position, h)
         momentum = masses * ((velocity - old.velocity) / h + body.damping_rate * velocity)
-        residual = (momentum + assembly.gradient(energies, position) - load).reshape(-1)[free]
+        deformed = deform(energies, position)
+        forces = momentum - load
+        residual = (forces.reshape(-1) + assembly.gradient(deformed))[free]
         error = float(np.linalg.norm(residual))
         if error <= rule.tolerance:
             return Motion(time, position, velocity, iterations, error)
         if not np.isfinite(error) or iterations == rule.max_iterations:
             break
-        jacobian = assembly.hessian(energies, position, diagonal=inertia)
+        jacobian = assembly.hessian(deformed, diagonal=inertia)
         coordinates[free] -= _solved(jacobian, residual)
     raise ConvergenceError(time, iterations, error, rule.tolerance)
 

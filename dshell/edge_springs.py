@@ -38,40 +38,41 @@ class EdgeSprings:
         """Coordinates of each spring's ends among all coordinates, shape (e, 2, 3)."""
         return coordinates_of(self.nodes)
 
-    def energy(self, corners: Array) -> Array:
-        """Return each spring's energy, J, shape (e,), from its ends' positions, (e, 2, 3) in m."""
-        length, _ = _length_and_direction(corners)
-        return 0.5 * self.stiffness * (length / self.natural_length - 1) ** 2
+    def at(self, corners: Array) -> "_StretchedSprings":
+        """Return the springs with their ends at positions of shape (e, 2, 3) in m."""
+        return _StretchedSprings(self, corners)
 
-    def gradient(self, corners: Array) -> Array:
-        """Return the derivative of the energy by the ends' positions, N, shape (e, 2, 3)."""
-        length, along = _length_and_direction(corners)
-        pull = (self._tension(length)[:, None] * along)[:, None, :]
+
+class _StretchedSprings:
+    def __init__(self, springs: EdgeSprings, corners: Array) -> None:
+        self._springs = springs
+        edge = corners[:, 1] - corners[:, 0]
+        self._length = np.sqrt((edge * edge).sum(axis=1))
+        self._along = edge / self._length[:, None]
+        self._strain = self._length / springs.natural_length - 1
+        self._tension = springs.stiffness * self._strain / springs.natural_length
+
+    def energy(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        return 0.5 * self._springs.stiffness * self._strain**2
+
+    def gradient(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        pull = (self._tension[:, None] * self._along)[:, None, :]
         return np.concatenate([-pull, pull], axis=1)
 
-    def hessian(self, corners: Array) -> Array:
-        """Return the second derivative by the ends' positions, N/m, shape (e, 6, 6)."""
-        length, along = _length_and_direction(corners)
-        return self._stiffness(along, self._tension(length) / length)
+    def hessian(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        return self._stiffness(self._tension / self._length)
 
-    def convex_hessian(self, corners: Array) -> Array:
+    def convex_hessian(self) -> Array:
         """Return the Hessian without the pressure of a short spring: no negative eigenvalue."""
-        length, along = _length_and_direction(corners)
-        return self._stiffness(along, np.maximum(self._tension(length), 0.0) / length)
+        return self._stiffness(np.maximum(self._tension, 0.0) / self._length)
 
-    def _stiffness(self, along: Array, across: Array) -> Array:
+    def _stiffness(self, across: Array) -> Array:
         """Stiffness along the spring, and `across` for the directions in which it turns."""
-        block = (self.stiffness / self.natural_length**2 - across)[:, None, None] * (
-            along[:, :, None] * along[:, None, :]
-        )
+        along = self._along
+        stretching = self._springs.stiffness / self._springs.natural_length**2
+        block = (stretching - across)[:, None, None] * (along[:, :, None] * along[:, None, :])
         block[:, range(3), range(3)] += across[:, None]
         return np.block([[block, -block], [-block, block]])
-
-    def _tension(self, length: Array) -> Array:
-        return self.stiffness * (length / self.natural_length - 1) / self.natural_length
-
-
-def _length_and_direction(corners: Array) -> tuple[Array, Array]:
-    edge = corners[:, 1] - corners[:, 0]
-    length = np.sqrt((edge * edge).sum(axis=1))
-    return length, edge / length[:, None]

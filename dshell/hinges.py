@@ -18,7 +18,8 @@ term is written as its symmetric part: what it drops cancels between the two tri
 """
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +27,6 @@ from numpy.typing import NDArray
 from dshell.assembly import coordinates_of
 
 Array = NDArray[np.float64]
-
-NUMBERING = (0, 1, 2, 3)
-"""Where a hinge's two ends, the apex of its first and that of its second triangle stand."""
-
 
 @dataclass(frozen=True, eq=False)
 class Hinges:
@@ -55,35 +52,48 @@ class Hinges:
         """Coordinates of each hinge's nodes among all coordinates, shape (h, 4, 3)."""
         return coordinates_of(self.nodes)
 
-    def energy(self, corners: Array) -> Array:
-        """Return each hinge's energy, J, shape (h,), from its nodes' positions, (h, 4, 3) in m."""
-        return 0.5 * self.stiffness * (hinge_angles(corners) - self.natural_angle) ** 2
+    def at(self, corners: Array) -> "_TurnedHinges":
+        """Return the hinges with their nodes at positions of shape (h, 4, 3) in m."""
+        return _TurnedHinges(self, corners)
 
-    def gradient(self, corners: Array) -> Array:
-        """Return the derivative of the energy by the nodes' positions, N, shape (h, 4, 3)."""
-        fold = Fold(corners)
-        return self._moment(fold)[:, None, None] * fold.gradient
 
-    def hessian(self, corners: Array) -> Array:
-        """Return the second derivative by the nodes' positions, N/m, shape (h, 12, 12)."""
-        fold = Fold(corners)
-        return self._stiffness_part(fold) + fold.hessian(self._moment(fold))
+class _TurnedHinges:
+    def __init__(self, hinges: Hinges, corners: Array) -> None:
+        self._hinges = hinges
+        self._fold = Fold(np.ascontiguousarray(corners.transpose(2, 1, 0)))
+        self._turn = self._fold.angle - hinges.natural_angle
 
-    def convex_hessian(self, corners: Array) -> Array:
+    def energy(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        return 0.5 * self._hinges.stiffness * self._turn**2
+
+    def gradient(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        return (self._hinges.stiffness * self._turn * self._fold.gradient).transpose(2, 1, 0)
+
+    def hessian(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        left, right = self._fold.hessian_rows()
+        moment = self._hinges.stiffness * self._turn
+        return self._product([*(moment * left), self._half_stiff()], [*right, self._fold.gradient])
+
+    def convex_hessian(self) -> Array:
         """Return the Hessian without the angle's own curvature: no negative eigenvalue."""
-        return self._stiffness_part(Fold(corners))
+        return self._product([self._half_stiff()], [self._fold.gradient])
 
-    def _moment(self, fold: "Fold") -> Array:
-        return self.stiffness * (fold.angle - self.natural_angle)
+    def _half_stiff(self) -> Array:
+        return 0.5 * self._hinges.stiffness * self._fold.gradient
 
-    def _stiffness_part(self, fold: "Fold") -> Array:
-        slope = fold.gradient.reshape(-1, 12)
-        return self.stiffness[:, None, None] * (slope[:, :, None] * slope[:, None, :])
+    @staticmethod
+    def _product(left: list[Array], right: list[Array]) -> Array:
+        """Return S[left^T right] of rows (3, 4, h), shape (h, 12, 12)."""
+        rows = (np.stack(side).transpose(3, 0, 2, 1) for side in (left, right))
+        return symmetric_product(*(side.reshape(*side.shape[:2], 12) for side in rows))
 
 
 def hinge_angles(corners: Array) -> Array:
     """Return the angle across each hinge, rad, (-pi, pi], shape (h,), from positions (h, 4, 3)."""
-    return Fold(corners).angle
+    return Fold(corners.transpose(2, 1, 0)).angle
 
 
 class Fold:
@@ -91,86 +101,75 @@ class Fold:
 
     Parameters
     ----------
-    corners : (h, 4, 3) array of float
-        Positions of each hinge's nodes, m.
-    numbering : (int, int, int, int)
-        Which of them are its ends and its apexes; the derivatives keep the order of `corners`.
+    corners : (3, 4, ...) array of float
+        x, y and z of each hinge's two ends and of the apexes of its first and second triangle, m.
     """
 
-    def __init__(self, corners: Array, numbering: tuple[int, int, int, int] = NUMBERING) -> None:
-        *self._ends, first_apex, second_apex = numbering
-        start, end = (corners[:, node] for node in self._ends)
-        edge = end - start
+    def __init__(self, corners: Array) -> None:
+        edge = corners[:, 1] - corners[:, 0]
         self._length = np.sqrt(_dot(edge, edge))
-        self._along = edge / self._length[:, None]
-        self._sides = [
-            _side(corners, self._ends, apex, self._length, self._along, turn)
-            for apex, turn in ((first_apex, 1.0), (second_apex, -1.0))
-        ]
+        self._along = edge / self._length
+        to_apexes = corners[:, 2:] - corners[:, :1]
+        along = self._along[:, None]
+        foot = _dot(to_apexes, along)
+        inward = to_apexes - foot * along
+        height = np.sqrt(_dot(inward, inward))
+        self._inward = inward / height  # m of both triangles, (3, 2, ...)
+        self._normal = _cross(along, self._inward)  # n
+        self._normal[:, 1] *= -1
+        self._weights = np.zeros((4, *height.shape))  # w / height, of each node in each triangle
+        self._weights[1] = foot / (self._length * height)
+        self._weights[0] = 1 / height - self._weights[1]
+        self._weights[2, 0], self._weights[3, 1] = -1 / height
 
-    @property
+    @cached_property
     def angle(self) -> Array:
-        """Angle across each hinge, rad, (-pi, pi], shape (h,)."""
-        first, second = (side.normal for side in self._sides)
+        """Angle across each hinge, rad, (-pi, pi], shape (...)."""
+        first, second = self._normal[:, 0], self._normal[:, 1]
         return np.arctan2(_dot(self._along, _cross(first, second)), _dot(first, second))
 
-    @property
+    @cached_property
     def gradient(self) -> Array:
-        """Derivative of the angle by the nodes' positions, 1/m, shape (h, 4, 3)."""
-        first, second = (_outer(side.weights, side.normal) for side in self._sides)
+        """Derivative of the angle by the nodes' positions, 1/m, shape (3, 4, ...)."""
+        first, second = (
+            self._normal[:, None, side] * self._weights[:, side] for side in range(2)
+        )
         return first + second
 
-    def hessian(self, factor: Array) -> Array:
-        """Return a factor (h,) times the angle's second derivative, 1/m2, shape (h, 12, 12)."""
-        factor = factor[:, None, None]
-        ends = np.zeros((len(factor), 4))
-        ends[:, self._ends] = np.array([-1.0, 1.0]) / self._length[:, None]  # c / l
-        left, right = np.empty((2, len(factor), 4, 4, 3))  # four products of (4, 3) each
-        for row, side in zip((0, 2), self._sides, strict=True):
-            left[:, row] = factor * _outer(side.weights, side.normal)
-            left[:, row + 1] = factor * _outer(ends, side.normal)
-            right[:, row] = _outer(side.weights, side.inward)
-            right[:, row + 1] = _outer(0.5 * ends, side.inward)
-            right[:, row + 1] -= _outer(side.weights, self._along)
-        half = left.reshape(-1, 4, 12).transpose(0, 2, 1) @ right.reshape(-1, 4, 12)
-        return half + half.transpose(0, 2, 1)
+    def hessian_rows(self) -> tuple[Array, Array]:
+        """Return rows L and R of which S[L^T R] is the second derivative, each (4, 3, 4, ...)."""
+        left, right = np.zeros((2, 4, *self.gradient.shape))
+        for side in range(2):
+            normal, inward, weights = (
+                self._normal[:, side], self._inward[:, side], self._weights[:, side],
+            )  # fmt: skip
+            left[side] = normal[:, None] * weights
+            right[side] = inward[:, None] * weights
+            add_at_ends(left[2 + side], normal)
+            right[2 + side] = (-self._along / self._length)[:, None] * weights
+            add_at_ends(right[2 + side], inward / (2 * self._length**2))
+        return left, right
 
 
-class _Side(NamedTuple):
-    """One triangle of each hinge."""
-
-    normal: Array  # n, (h, 3)
-    inward: Array  # m, (h, 3)
-    weights: Array  # w / height, (h, 4)
+def symmetric_product(left: Array, right: Array) -> Array:
+    """Return S[L^T R] of rows of shape (n, r, k), symmetric, shape (n, k, k)."""
+    half = left.transpose(0, 2, 1) @ right
+    return half + half.transpose(0, 2, 1)
 
 
-def _side(
-    corners: Array, ends: list[int], apex: int, length: Array, along: Array, turn: float
-) -> _Side:
-    start, end = ends
-    to_apex = corners[:, apex] - corners[:, start]
-    foot = _dot(to_apex, along)
-    inward = to_apex - foot[:, None] * along
-    height = np.sqrt(_dot(inward, inward))
-    inward /= height[:, None]
-    weights = np.zeros((len(corners), 4))
-    weights[:, end] = foot / length / height
-    weights[:, start] = 1 / height - weights[:, end]
-    weights[:, apex] = -1 / height
-    return _Side(turn * _cross(along, inward), inward, weights)
-
-
-def _outer(weights: Array, vector: Array) -> Array:
-    """Weights (h, 4) of the nodes times a vector (h, 3), shape (h, 4, 3)."""
-    return weights[:, :, None] * vector[:, None, :]
+def add_at_ends(row: Array, vector: Array) -> None:
+    """Add c (x) v to a row (3, 4, ...)."""
+    row[:, 0] -= vector
+    row[:, 1] += vector
 
 
 def _dot(a: Array, b: Array) -> Array:
-    return np.einsum("ij,ij->i", a, b)
+    """Product of vectors (3, ...); quicker than a sum over their first axis."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Cross product of rows; numpy's own takes three times as long on small arrays."""
-    x, y, z = a.T
-    u, v, w = b.T
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    """Cross product of vectors (3, ...)."""
+    x, y, z = a
+    u, v, w = b
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u])

@@ -7,6 +7,8 @@ gradient is F = sum_i x_i (x) B_i, and E = (F^T F - 1) / 2 is quadratic in the p
     d2E_ab / dx_i dx_j = (B_ia B_jb + B_ib B_ja) / 2  times the identity.
 """
 
+from copy import copy
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,23 +25,24 @@ class FlatTriangles:
     """
 
     def __init__(self, points: Array) -> None:
-        sides = np.roll(points, -2, axis=1) - np.roll(points, -1, axis=1)  # opposite corner i
-        double = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+        at = points.transpose(2, 1, 0)  # (2, 3, m)
+        x, y = np.roll(at, -2, axis=1) - np.roll(at, -1, axis=1)  # the sides opposite corner i
+        double = x[0] * y[1] - y[0] * x[1]
         self.areas = 0.5 * double
-        self.lengths = np.sqrt((sides * sides).sum(axis=2))
-        self.outward = np.stack([sides[..., 1], -sides[..., 0]], axis=2) / self.lengths[..., None]
-        self._slopes = np.stack([-sides[..., 1], sides[..., 0]], axis=2) / double[:, None, None]
+        self.lengths = np.sqrt(x * x + y * y)
+        self.outward = np.stack([y, -x]) / self.lengths
+        self.slopes = np.stack([-y, x]) / double  # B, (2, 3, m)
 
-    def strain(self, corners: Array) -> Array:
-        """Return (Exx, Eyy, 2 Exy), shape (3, m), from positions of shape (m, 3, 3)."""
-        x, y = self._tangents(corners)
-        return np.stack([((x * x).sum(1) - 1) / 2, ((y * y).sum(1) - 1) / 2, (x * y).sum(1)])
+    def part(self, block: slice) -> "FlatTriangles":
+        """Return some of the triangles."""
+        triangles = copy(self)
+        triangles.areas, triangles.lengths = self.areas[block], self.lengths[:, block]
+        triangles.outward, triangles.slopes = self.outward[:, :, block], self.slopes[:, :, block]
+        return triangles
 
-    def strain_gradient(self, corners: Array) -> Array:
-        """Return its derivative by the corners, 1/m, shape (m, 3, 3, 3): strain, corner, xyz."""
-        x, y = (tangent[:, None] for tangent in self._tangents(corners))
-        along_x, along_y = self._slopes[..., 0, None], self._slopes[..., 1, None]
-        return np.stack([x * along_x, y * along_y, x * along_y + y * along_x], axis=1)
+    def at(self, corners: Array) -> "StretchedTriangles":
+        """Return the triangles with their corners at positions of shape (3, 3, m): xyz, corner."""
+        return StretchedTriangles(self.slopes, corners)
 
     def strain_hessian(self, force: Array) -> Array:
         """Return forces (3, m) times the second derivative, per pair of corners, shape (m, 3, 3).
@@ -47,8 +50,41 @@ class FlatTriangles:
         The same for each coordinate, and none between different ones.
         """
         tensor = np.stack([force[0], force[2], force[2], force[1]], axis=1).reshape(-1, 2, 2)
-        return self._slopes @ tensor @ self._slopes.transpose(0, 2, 1)
+        slopes = self.slopes.transpose(2, 1, 0)
+        return slopes @ tensor @ slopes.transpose(0, 2, 1)
 
-    def _tangents(self, corners: Array) -> Array:
-        """Columns of F, shape (2, m, 3)."""
-        return np.moveaxis(self._slopes.transpose(0, 2, 1) @ corners, 1, 0)
+
+class StretchedTriangles:
+    """The strain of triangles with its derivative by the corners.
+
+    Parameters
+    ----------
+    slopes : (2, 3, m) array of float
+        B of each corner, 1/m.
+    corners : (3, 3, m) array of float
+        x, y and z of each corner, m.
+    """
+
+    def __init__(self, slopes: Array, corners: Array) -> None:
+        self._slopes = slopes
+        self._tangents = (slopes[:, None] * corners).sum(axis=2)  # columns of F, (2, 3, m)
+
+    def strain(self) -> Array:
+        """Return (Exx, Eyy, 2 Exy), shape (3, m)."""
+        x, y = self._tangents
+        return np.stack(
+            [0.5 * ((x * x).sum(axis=0) - 1), 0.5 * ((y * y).sum(axis=0) - 1), (x * y).sum(axis=0)]
+        )
+
+    def strain_gradient(self) -> Array:
+        """Return its derivative, 1/m, shape (3, 3, 3, m): strain, xyz, corner."""
+        x, y = self._tangents[:, :, None]
+        along_x, along_y = self._slopes[:, None]
+        return np.stack([x * along_x, y * along_y, x * along_y + y * along_x])
+
+    def forces(self, resultants: Array) -> Array:
+        """Return resultants (3, m) times that derivative, shape (3, 3, m): xyz, corner."""
+        xx, yy, xy = resultants
+        x, y = self._tangents
+        pull_x, pull_y = xx * x + xy * y, xy * x + yy * y
+        return pull_x[:, None] * self._slopes[0] + pull_y[:, None] * self._slopes[1]

@@ -14,6 +14,9 @@ from dshell.through_thickness import PROFILES, Laminate, ShellLayer
 
 Array = NDArray[np.float64]
 
+FACES_IN_A_BLOCK = 2048
+"""Evaluated together, so that what is computed of them stays in the processor's cache."""
+
 
 class MorleyModel:
     """A specimen on its planar mesh as Morley's shell; see `dshell.static_release.ShellModel`.
@@ -28,13 +31,15 @@ class MorleyModel:
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: MorleySettings) -> None:
         self._specimen, self._mesh = specimen, mesh
-        self._profile = PROFILES[settings.profile]()
+        self._quadratic = PROFILES[settings.profile]
         self._faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
         self.extra_dofs = self._faces.edge_count
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
-        """Return the one energy, the prestretch being (lambda_x, lambda_y)."""
-        return [self._faces.made_of(self._laminate(stretch))]
+        """Return the faces in blocks, the prestretch being (lambda_x, lambda_y)."""
+        faces, count = self._faces.made_of(self._laminate(stretch)), len(self._mesh.triangles)
+        starts = range(0, count, FACES_IN_A_BLOCK)
+        return [faces.part(slice(start, min(start + FACES_IN_A_BLOCK, count))) for start in starts]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
         """Return how far the bond is above the substrate's mid-plane in the flat state, m."""
@@ -42,11 +47,11 @@ class MorleyModel:
 
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energy of each layer, J."""
-        (faces,) = self.energies(stretch)
-        return faces.layer_energies(state[faces.dofs])
+        faces = self._faces.made_of(self._laminate(stretch))
+        return faces.at(state[faces.dofs]).layer_energies()
 
     def _laminate(self, stretch: tuple[float, float]) -> Laminate:
-        return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._profile)
+        return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._quadratic)
 
 
 def specimen_layers(

@@ -12,6 +12,7 @@ energy is judged: they cost no factorisation.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy
+from dshell.assembly import Assembly, Energy, deform
 from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError, SingularMatrixError
 
 Array = NDArray[np.float64]
@@ -62,12 +63,54 @@ class Body:
     energies: Sequence[Energy]
     load: Array
 
-    def potential(self, state: Array) -> tuple[float, float]:
-        """Return the total energy, J, and the size of what adds up to it."""
+
+class Configuration:
+    """A body in a state; what has been computed of it is kept for the next question.
+
+    Parameters
+    ----------
+    body : Body
+        What is deformed.
+    state : (dofs,) array of float
+        All degrees of freedom, m.
+    assembly : Assembly
+        Of the body's energies.
+    """
+
+    def __init__(self, body: Body, state: Array, assembly: Assembly) -> None:
+        self.body, self.state = body, state
+        self._assembly = assembly
         with np.errstate(all="ignore"):  # a step too far may invert a fibre; it is then refused
-            parts = [term.energy(state[term.dofs]).sum() for term in self.energies]
-        work = float(self.load @ state)
-        return float(sum(parts)) - work, float(sum(map(abs, parts))) + abs(work)
+            self._deformed = deform(body.energies, state)
+            self._energies = assembly.energies(self._deformed)
+
+    @property
+    def energy(self) -> float:
+        """Potential energy, J."""
+        return float(sum(self._energies)) - float(self.body.load @ self.state)
+
+    @property
+    def energy_scale(self) -> float:
+        """Size of what adds up to the energy, J."""
+        return float(sum(map(abs, self._energies))) + abs(float(self.body.load @ self.state))
+
+    @cached_property
+    def residual(self) -> Array:
+        """Residual force on the free degrees of freedom, N."""
+        return (self._assembly.gradient(self._deformed) - self.body.load)[self._assembly.free]
+
+    @cached_property
+    def error(self) -> float:
+        """Norm of the residual force, N."""
+        return float(np.linalg.norm(self.residual))
+
+    def hessian(self) -> csc_matrix:
+        """Return the second derivative by the free degrees of freedom, N/m."""
+        return self._assembly.hessian(self._deformed)
+
+    def convex_hessian(self) -> csc_matrix:
+        """Return the like of it that has no negative eigenvalue."""
+        return self._assembly.convex_hessian(self._deformed)
 
 
 @dataclass(frozen=True)
@@ -138,9 +181,9 @@ class EquilibriumSolver:
         self.assembly = assembly
         self._linear = linear_solver
 
-    def residual(self, body: Body, state: Array) -> Array:
-        """Return the residual force on the free degrees of freedom, N."""
-        return (self.assembly.gradient(body.energies, state) - body.load)[self.assembly.free]
+    def placed(self, body: Body, state: Array) -> Configuration:
+        """Return a body in a state."""
+        return Configuration(body, state, self.assembly)
 
     def settle(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
         """Go downhill from a state to an equilibrium, or as far as the limits let.
@@ -154,19 +197,19 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
-        state = start
+        here = self.placed(bodies[0], start)
         for iteration in range(limits.iterations + 1):
             body = bodies[min(iteration, len(bodies) - 1)]
-            residual = self.residual(body, state)
-            error = float(np.linalg.norm(residual))
-            converged = body is bodies[-1] and error <= limits.tolerance
+            if here.body is not body:
+                here = self.placed(body, here.state)
+            converged = body is bodies[-1] and here.error <= limits.tolerance
             if converged or iteration == limits.iterations:
                 break
             try:
-                state = self._improved(body, state, residual, limits.longest_step)
+                here = self._improved(here, limits.longest_step)
             except NoDescentError:
                 break
-        return Outcome(state, converged, error, iteration)
+        return Outcome(here.state, converged, here.error, iteration)
 
     def balance(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
         """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
@@ -180,24 +223,22 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
-        state = start
+        here = self.placed(body, start)
         for iteration in range(limits.iterations + 1):
-            residual = self.residual(body, state)
-            error = float(np.linalg.norm(residual))
-            converged = error <= limits.tolerance
-            if converged or not np.isfinite(error) or iteration == limits.iterations:
+            converged = here.error <= limits.tolerance
+            if converged or not np.isfinite(here.error) or iteration == limits.iterations:
                 break
-            hessian = self.assembly.hessian(body.energies, state)
             try:
-                factor = self._linear.factor(hessian)
+                factor = self._linear.factor(here.hessian())
             except SingularMatrixError:
                 break
-            state = state + self._step(factor, residual, limits.longest_step)
-        return Outcome(state, converged, error, iteration)
+            step = self._step(factor, here.residual, limits.longest_step)
+            here = self.placed(body, here.state + step)
+        return Outcome(here.state, converged, here.error, iteration)
 
     def unstable_modes(self, body: Body, state: Array) -> int:
         """Return the number of negative eigenvalues of the exact Hessian."""
-        hessian = self.assembly.hessian(body.energies, state)
+        hessian = self.placed(body, state).hessian()
         try:
             self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
@@ -206,58 +247,61 @@ class EquilibriumSolver:
 
     def unstable_direction(self, body: Body, state: Array) -> Array:
         """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
-        hessian = self.assembly.hessian(body.energies, state)
+        hessian = self.placed(body, state).hessian()
         _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count=1)
         direction = np.zeros_like(state)
         direction[self.assembly.free] = modes[:, 0]
         return direction / direction[np.argmax(np.abs(direction))]
 
-    def _improved(self, body: Body, state: Array, residual: Array, longest: float) -> Array:
-        """Return the state after one iteration: the longest halved step that is low enough."""
-        factor = self._descent(body, state)
-        step = self._step(factor, residual, longest)
-        slope = float(residual @ step[self.assembly.free])
-        here, size = body.potential(state)
+    def _improved(self, here: Configuration, longest: float) -> Configuration:
+        """Return what one iteration makes of it: the longest halved step that is low enough."""
+        factor = self._descent(here)
+        step = self._step(factor, here.residual, longest)
+        slope = float(here.residual @ step[self.assembly.free])
         share = 1.0
         while share > SHORTEST_STEP:
-            there, energy = self._corrected(body, state + share * step, factor, longest)
-            if energy <= here + SUFFICIENT_DECREASE * share * slope:
+            there = self._corrected(here, share * step, factor, longest)
+            change = there.energy - here.energy
+            if change <= SUFFICIENT_DECREASE * share * slope:
                 return there
-            if abs(energy - here) <= ENERGY_NOISE * size and self._is_nearer(body, there, residual):
+            if abs(change) <= ENERGY_NOISE * here.energy_scale and there.error < 0.5 * here.error:
                 return there
             share /= 2
         raise NoDescentError("no step along Newton's direction lowers the energy")
 
-    def _is_nearer(self, body: Body, state: Array, residual: Array) -> bool:
-        """Whether the residual force at a state is less than half of another."""
-        return bool(np.linalg.norm(self.residual(body, state)) < 0.5 * np.linalg.norm(residual))
-
     def _corrected(
-        self, body: Body, state: Array, factor: Factor, longest: float
-    ) -> tuple[Array, float]:
-        """Return a state with its energy after those corrections that lower it."""
-        energy, _ = body.potential(state)
+        self, here: Configuration, step: Array, factor: Factor, longest: float
+    ) -> Configuration:
+        """Return what comes after a step and those corrections that lower the energy."""
+        there = self.placed(here.body, here.state + step)
         for _ in range(CORRECTIONS):
-            if not np.isfinite(energy):
+            if not np.isfinite(there.energy):
                 break
-            correction = self._step(factor, self.residual(body, state), longest)
-            lower = _lower(body, state, correction, energy)
+            lower = self._lower(there, self._step(factor, there.residual, longest))
             if lower is None:
                 break
-            state, energy = lower
-        return state, energy
+            there = lower
+        return there
+
+    def _lower(self, here: Configuration, correction: Array) -> Configuration | None:
+        """Return what the largest share of a correction that lowers the energy makes of it."""
+        for share in CORRECTION_SHARES:
+            there = self.placed(here.body, here.state + share * correction)
+            if there.energy < here.energy:
+                return there
+        return None
 
     def _step(self, factor: Factor, residual: Array, longest: float) -> Array:
         step = np.zeros(self.assembly.size)
         step[self.assembly.free] = -factor.solve(residual)
         return step * min(1.0, longest / max(np.abs(step).max(), longest))
 
-    def _descent(self, body: Body, state: Array) -> Factor:
-        hessian = self.assembly.hessian(body.energies, state)
+    def _descent(self, here: Configuration) -> Factor:
+        hessian = here.hessian()
         try:
             return self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
-            return self._mended(hessian) or self._convex(body, state)
+            return self._mended(hessian) or self._convex(here)
 
     def _mended(self, hessian: csc_matrix) -> Factor | None:
         """Return the Hessian with its negative eigenvalues made positive, if they are few.
@@ -274,8 +318,8 @@ class EquilibriumSolver:
             pass
         return None
 
-    def _convex(self, body: Body, state: Array) -> Factor:
-        convex = self.assembly.convex_hessian(body.energies, state)
+    def _convex(self, here: Configuration) -> Factor:
+        convex = here.convex_hessian()
         diagonal = convex.diagonal()
         convex.setdiag(diagonal + CONVEX_SHIFT * diagonal.mean())
         try:
@@ -296,15 +340,3 @@ def _negative_pairs(
         maxiter=restarts,
     )  # fmt: skip
     return values, modes
-
-
-def _lower(
-    body: Body, state: Array, correction: Array, energy: float
-) -> tuple[Array, float] | None:
-    """Return the state after the largest share of a correction that lowers the energy, with it."""
-    for share in CORRECTION_SHARES:
-        there = state + share * correction
-        lower, _ = body.potential(there)
-        if lower < energy:
-            return there, lower
-    return None

@@ -26,33 +26,43 @@ _VOLUME_ITERATIONS = 50
 _VOLUME_TOLERANCE = 1e-8  # of the last step, which leaves its square as the error
 
 
-class PlaneStressLaw(Protocol):
-    """An energy per natural volume in plane stress.
+class PlaneStressState(Protocol):
+    """A material in some strain: its energy, and the derivatives by the strain."""
 
-    Strains have shape (3, ...), prestretches (2, 2, ...) with the same trailing axes or ones that
-    broadcast to them.
-    """
-
-    def energy(self, strain: Array, prestretch: Array) -> Array:
+    def energy(self) -> Array:
         """Return the energy per natural volume, J/m3, shape (...)."""
 
-    def stress(self, strain: Array, prestretch: Array) -> Array:
+    def stress(self) -> Array:
         """Return its derivative by the strain, Pa, shape (3, ...)."""
 
-    def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
-        """Return the stress with its own derivative by the strain, Pa, shape (3, 3, ...)."""
+    def tangent(self) -> Array:
+        """Return the stress's own derivative by the strain, Pa, shape (3, 3, ...)."""
+
+
+class PlaneStressLaw(Protocol):
+    """An energy per natural volume in plane stress."""
+
+    def at(self, strain: Array, prestretch: Array) -> PlaneStressState:
+        """Return the material in a strain.
+
+        Parameters
+        ----------
+        strain : (3, ...) array of float
+            From the flat bonded state.
+        prestretch : (2, 2, ...) array of float
+            Of the flat bonded state; its trailing axes are the strain's or broadcast to them.
+        """
 
 
 @dataclass(frozen=True)
 class PlaneMooneyRivlin:
     """Mooney-Rivlin in plane stress; neo-Hookean where c01 = 0.
 
-    With c = C33 = J^2 / D, the energy of `bilayer.material` is
+    With c = C33 = J^2 / D and r = J^(1/3), the energy of `bilayer.material` is
 
-        W = C10 (T J^(-2/3) + J^(4/3) / D - 3) + C01 (D J^(-4/3) + T J^(2/3) / D - 3)
-            + (J - 1)^2 / D1,
+        W = C10 (T / r^2 + r^4 / D - 3) + C01 (D / r^4 + T r^2 / D - 3) + (r^3 - 1)^2 / D1,
 
-    least in J by Newton's method; J = 1 where D1 = 0 (incompressible).
+    least in r by Newton's method; r = 1 where D1 = 0 (incompressible).
 
     Parameters
     ----------
@@ -64,80 +74,106 @@ class PlaneMooneyRivlin:
     c01: float
     d1: float
 
-    def energy(self, strain: Array, prestretch: Array) -> Array:
+    def at(self, strain: Array, prestretch: Array) -> "_MooneyRivlinState":
         """See `PlaneStressLaw`."""
-        T, D = _invariants(strain, prestretch)
-        J = self._volume(T, D)
-        r2 = np.cbrt(J) ** 2
-        first = T / r2 + r2 * r2 / D - 3
-        second = D / (r2 * r2) + T * r2 / D - 3
-        volumetric = (J - 1) ** 2 / self.d1 if self.d1 > 0 else 0.0
-        energy = self.c10 * first + self.c01 * second + volumetric
+        return _MooneyRivlinState(self, strain, prestretch)
+
+
+class _MooneyRivlinState:
+    def __init__(self, law: PlaneMooneyRivlin, strain: Array, prestretch: Array) -> None:
+        self._law = law
+        self._doubled = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
+        self._squared = _squared(prestretch)
+        xx, yy, xy, area2 = self._squared
+        a, b, g = self._doubled
+        self._T = xx * a + yy * b + 2 * xy * g
+        self._D = area2 * (a * b - g * g)
+        self._per_D = 1 / self._D
+        self._r = self._least()
+
+    def energy(self) -> Array:
+        """See `PlaneStressState`."""
+        T, D, per_D, r, law = self._T, self._D, self._per_D, self._r, self._law
+        r2 = r * r
+        per_r2 = 1 / r2
+        energy = law.c10 * (T * per_r2 + r2 * r2 * per_D - 3)
+        energy += law.c01 * (D * per_r2 * per_r2 + T * r2 * per_D - 3)
+        if law.d1 > 0:
+            energy += (r2 * r - 1) ** 2 / law.d1
         return np.where(D > 0, energy, np.inf)  # a fibre turned inside out is out of reach
 
-    def stress(self, strain: Array, prestretch: Array) -> Array:
-        """See `PlaneStressLaw`."""
-        T, D = _invariants(strain, prestretch)
-        T_e, D_e, _ = _invariant_derivatives(strain, prestretch)
-        W_T, W_D = self._first(T, D, np.cbrt(self._volume(T, D)))
+    def stress(self) -> Array:
+        """See `PlaneStressState`."""
+        W_T, W_D = self._first()
+        T_e, D_e = self._invariant_slopes()
         return W_T * T_e + W_D * D_e
 
-    def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
-        """See `PlaneStressLaw`."""
-        T, D = _invariants(strain, prestretch)
-        T_e, D_e, D_ee = _invariant_derivatives(strain, prestretch)
-        r = np.cbrt(self._volume(T, D))
-        W_T, W_D = self._first(T, D, r)
-        W_TT, W_TD, W_DD = self._second(T, D, r)
-        tangent = W_D * D_ee
-        tangent += T_e[:, None] * (W_TT * T_e + W_TD * D_e)
+    def tangent(self) -> Array:
+        """See `PlaneStressState`."""
+        _, W_D = self._first()
+        W_TT, W_TD, W_DD = self._second()
+        T_e, D_e = self._invariant_slopes()
+        tangent = T_e[:, None] * (W_TT * T_e + W_TD * D_e)
         tangent += D_e[:, None] * (W_TD * T_e + W_DD * D_e)
-        return W_T * T_e + W_D * D_e, tangent
+        twice = 2 * self._squared[3] * W_D  # D's own second derivative
+        tangent[0, 1] += 2 * twice
+        tangent[1, 0] += 2 * twice
+        tangent[2, 2] -= twice
+        return tangent
 
-    def _first(self, T: Array, D: Array, r: Array) -> tuple[Array, Array]:
-        """Return the derivatives by T and D at r = J^(1/3); J counts as fixed, because W_J = 0."""
-        a, b = self.c10, self.c01
-        r2 = r * r
-        return a / r2 + b * r2 / D, b / r2**2 - (a * r2 + b * T) * r2 / D**2
+    def _invariant_slopes(self) -> tuple[Array, Array]:
+        """Return the derivatives of T and D by the strain."""
+        xx, yy, xy, area2 = self._squared
+        a, b, g = self._doubled
+        return 2 * np.stack(np.broadcast_arrays(xx, yy, xy, a)[:3]), 2 * area2 * np.stack([b, a, -g])
 
-    def _second(self, T: Array, D: Array, r: Array) -> tuple[Array, Array, Array]:
-        """Second derivatives by T and D, with J following: W_XY - W_XJ W_YJ / W_JJ."""
-        a, b = self.c10, self.c01
+    def _first(self) -> tuple[Array, Array]:
+        """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""
+        a, b, per_D = self._law.c10, self._law.c01, self._per_D
+        r2 = self._r * self._r
+        per_r2 = 1 / r2
+        W_T = a * per_r2 + b * r2 * per_D
+        return W_T, b * per_r2 * per_r2 - (a * r2 + b * self._T) * r2 * per_D * per_D
+
+    def _second(self) -> tuple[Array, Array, Array]:
+        """Second derivatives by T and D, with r following: W_XY - W_Xr W_Yr / W_rr."""
+        a, b, per_D, T, r = self._law.c10, self._law.c01, self._per_D, self._T, self._r
         r2 = r * r
-        W_TT, W_TD = np.zeros_like(T), -b * r2 / D**2
-        W_DD = 2 * (a * r2 + b * T) * r2 / D**3
-        if self.d1 > 0:
-            W_JJ = self._volume_derivatives(T, D, r)[1]
-            W_TJ = 2 / 3 * (b / (r * D) - a / (r2 * r2 * r))
-            W_DJ = -2 / 3 * ((2 * a * r + b * T / r) / D**2 + 2 * b / (r2**3 * r))
-            W_TT, W_TD = W_TT - W_TJ**2 / W_JJ, W_TD - W_TJ * W_DJ / W_JJ
-            W_DD = W_DD - W_DJ**2 / W_JJ
+        W_TT, W_TD = np.zeros_like(T), -b * r2 * per_D**2
+        W_DD = 2 * (a * r2 + b * T) * r2 * per_D**3
+        if self._law.d1 > 0:
+            per_bend = 1 / self._volume_derivatives(r)[1]
+            W_Tr = 2 * b * r * per_D - 2 * a / (r2 * r)
+            W_Dr = -4 * b / (r2 * r2 * r) - (4 * a * r2 + 2 * b * T) * r * per_D**2
+            W_TT, W_TD = W_TT - W_Tr**2 * per_bend, W_TD - W_Tr * W_Dr * per_bend
+            W_DD = W_DD - W_Dr**2 * per_bend
         return W_TT, W_TD, W_DD
 
-    def _volume(self, T: Array, D: Array) -> Array:
-        """Return J, the volume over the natural one, at which the energy is least."""
-        J = np.ones_like(T)
-        if self.d1 == 0:
-            return J
+    def _least(self) -> Array:
+        """Return r, the cube root of the volume over the natural one, of the least energy."""
+        r = np.ones_like(self._T)
+        if self._law.d1 == 0:
+            return r
         for _ in range(_VOLUME_ITERATIONS):
-            W_J, W_JJ = self._volume_derivatives(T, D, np.cbrt(J))
-            step = W_J / W_JJ
-            J = np.maximum(J - step, 0.5 * J)
-            if not np.any(np.abs(step) > _VOLUME_TOLERANCE * J):
+            slope, bend = self._volume_derivatives(r)
+            step = slope / bend
+            r = np.maximum(r - step, 0.8 * r)
+            if not np.any(np.abs(step) > _VOLUME_TOLERANCE * r):
                 break
-        return J
+        return r
 
-    def _volume_derivatives(self, T: Array, D: Array, r: Array) -> tuple[Array, Array]:
-        """Return the first and second derivative by J, at r = J^(1/3)."""
-        a, b = 2 / 3 * self.c10, 2 / 3 * self.c01
+    def _volume_derivatives(self, r: Array) -> tuple[Array, Array]:
+        """Return the first and second derivative of the energy by r."""
+        a, b, k = 2 * self._law.c10, 2 * self._law.c01, 6 / self._law.d1
         q = 1 / r
-        q2 = q * q
-        q4, per_D = q2 * q2, 1 / D
-        aT, bT = a * T * q4, b * T * per_D * q
-        a2, b2 = 2 * a * per_D, 2 * b * D * q4 * q2 * q
-        slope = a2 * r - aT * q + bT - b2 + 2 / self.d1 * (r * r * r - 1)
-        bend = a2 * q2 + 5 * aT * q4 + (7 * b2 - bT) * (q2 * q)
-        return slope, bend / 3 + 2 / self.d1
+        q2, r2 = q * q, r * r
+        q4, kr = q2 * q2, k * r
+        aT, aD = a * self._T * q4, 2 * a * self._per_D * r2
+        bT, bD = b * self._T * self._per_D, 2 * b * self._D * (q4 * q2)
+        r3 = r2 * r
+        slope = r * (aD + bT - aT - bD + kr * (r3 - 1))
+        bend = 3 * (aT + aD) + 5 * bD + bT + kr * (5 * r3 - 2)
+        return slope, bend
 
 
 @dataclass(frozen=True)
@@ -159,28 +195,37 @@ class PlaneLinear:
     young_modulus: float
     poisson_ratio: float
 
-    def energy(self, strain: Array, prestretch: Array) -> Array:
-        """See `PlaneStressLaw`."""
-        return 0.5 * (self._total(strain, prestretch) * self.stress(strain, prestretch)).sum(axis=0)
-
-    def stress(self, strain: Array, prestretch: Array) -> Array:
-        """See `PlaneStressLaw`."""
-        return np.einsum("ij,j...->i...", self._stiffness(), self._total(strain, prestretch))
-
-    def stress_and_tangent(self, strain: Array, prestretch: Array) -> tuple[Array, Array]:
-        """See `PlaneStressLaw`."""
-        stress = self.stress(strain, prestretch)
-        return stress, np.multiply.outer(self._stiffness(), np.ones(stress.shape[1:]))
-
-    def _stiffness(self) -> Array:
+    @property
+    def stiffness(self) -> Array:
+        """Of stress by strain, Pa, shape (3, 3)."""
         nu = self.poisson_ratio
         rows = np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
         return self.young_modulus / (1 - nu**2) * rows
 
-    @staticmethod
-    def _total(strain: Array, prestretch: Array) -> Array:
+    def at(self, strain: Array, prestretch: Array) -> "_LinearState":
+        """See `PlaneStressLaw`."""
         S = prestretch
-        return strain + np.stack([S[0, 0] - 1, S[1, 1] - 1, S[0, 1] + S[1, 0]])
+        initial = np.stack([S[0, 0] - 1, S[1, 1] - 1, S[0, 1] + S[1, 0]])
+        whole = strain + initial.reshape(3, *[1] * (strain.ndim - initial.ndim), *initial.shape[1:])
+        return _LinearState(self.stiffness, whole)
+
+
+@dataclass(frozen=True, eq=False)
+class _LinearState:
+    stiffness: Array
+    strain: Array  # from the natural state
+
+    def energy(self) -> Array:
+        """See `PlaneStressState`."""
+        return 0.5 * (self.strain * self.stress()).sum(axis=0)
+
+    def stress(self) -> Array:
+        """See `PlaneStressState`."""
+        return np.einsum("ij,j...->i...", self.stiffness, self.strain)
+
+    def tangent(self) -> Array:
+        """See `PlaneStressState`."""
+        return np.multiply.outer(self.stiffness, np.ones(self.strain.shape[1:]))
 
 
 @singledispatch
@@ -197,24 +242,6 @@ def _(material: MooneyRivlin) -> PlaneStressLaw:
 @plane_stress_law.register
 def _(material: LinearElastic) -> PlaneStressLaw:
     return PlaneLinear(material.young_modulus, material.poisson_ratio)
-
-
-def _invariants(strain: Array, prestretch: Array) -> tuple[Array, Array]:
-    """Return T and D."""
-    xx, yy, xy, area2 = _squared(prestretch)
-    a, b, g = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
-    return xx * a + yy * b + 2 * xy * g, area2 * (a * b - g * g)
-
-
-def _invariant_derivatives(strain: Array, prestretch: Array) -> tuple[Array, Array, Array]:
-    """Return the derivatives of T and D by the strain, and the second one of D."""
-    xx, yy, xy, area2 = _squared(prestretch)
-    a, b, g = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
-    one = np.ones_like(a)
-    T_e = 2 * np.stack([xx * one, yy * one, xy * one])
-    D_e = 2 * area2 * np.stack([b, a, -g])
-    rows = np.array([[0, 4, 0], [4, 0, 0], [0, 0, -2]], dtype=float)
-    return T_e, D_e, np.multiply.outer(rows, area2)
 
 
 def _squared(prestretch: Array) -> tuple[Array, Array, Array, Array]:

@@ -241,8 +241,9 @@ class StaticRelease:
         It is at least so large that the tolerance is not below round-off, as it would be without
         prestretch.
         """
-        flat = self._solver.residual(Body(body.energies, 0 * body.load), self.flat(stretch).state)
-        forces = float(np.linalg.norm(flat) + np.linalg.norm(body.load))
+        weightless = Body(body.energies, 0 * body.load)
+        flat = self._solver.placed(weightless, self.flat(stretch).state)
+        forces = flat.error + float(np.linalg.norm(body.load))
         return max(forces, self._round_off / self._settings.tolerance)
 
 

@@ -7,8 +7,7 @@ it; Gauss points through each layer, which need not contain the reference surfac
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,79 +18,18 @@ Array = NDArray[np.float64]
 
 GAUSS_POINTS = 3
 """In each layer; the energy is a polynomial of degree 2 in z, to first order in the strain."""
+PROFILES = {"linear": 0.0, "quadratic": 1.0}
+"""Weight g of the quadratic term in the strain at a height z, by the name a setting gives it:
 
+    e = E + z k - g z^2 det(k) / 2  (in exx and eyy).
 
-class Profile(Protocol):
-    """The strain at a height z above the reference surface, from s of shape (6, m).
-
-    It is the surface's own strain (s[:3]) and what its curvature (s[3:]) adds to that.
-    """
-
-    def strain(self, s: Array, z: float) -> Array:
-        """Return the strain (exx, eyy, 2 exy), shape (3, m)."""
-
-    def slope(self, s: Array, z: float) -> Array:
-        """Return its derivative by the curvature, shape (3, 3, m) or (3, 3, 1)."""
-
-    def bend(self, s: Array, z: float, stress: Array) -> Array:
-        """Return its second derivative by the curvature times a stress of shape (3, m).
-
-        The shape is that of the slope.
-        """
-
-
-class LinearProfile:
-    """e = E + z k."""
-
-    def strain(self, s: Array, z: float) -> Array:
-        """See `Profile`."""
-        return s[:3] + z * s[3:]
-
-    def slope(self, s: Array, z: float) -> Array:
-        """See `Profile`."""
-        return z * np.eye(3)[:, :, None]
-
-    def bend(self, s: Array, z: float, stress: Array) -> Array:
-        """See `Profile`."""
-        return np.zeros((3, 3, 1))
-
-
-class QuadraticProfile:
-    """e = E + z k - z^2 det(k) / 2: a fibre keeps its volume where the surface bends both ways.
-
-    On the surface z along the normals of one with mean curvature H and Gaussian curvature K, areas
-    have grown by 1 + 2 H z. A fibre that keeps its volume is thinner there, so what was drawn at z
-    lies at z - H z^2. With that, z k + z^2 k k / 2 becomes z k + z^2 (k k / 2 - H k), which is
-    z k - z^2 K / 2 by the theorem of Cayley and Hamilton: a cylinder has no quadratic term (as in
-    Rivlin's flexure, where the Green strain is linear in the drawn place), a sphere a negative one.
-    """
-
-    def strain(self, s: Array, z: float) -> Array:
-        """See `Profile`."""
-        x, y, g = s[3:]
-        gaussian = x * y - g * g / 4
-        return s[:3] + z * s[3:] - 0.5 * z**2 * np.stack([gaussian, gaussian, 0 * g])
-
-    def slope(self, s: Array, z: float) -> Array:
-        """See `Profile`."""
-        x, y, g = s[3:]
-        slope = np.zeros((3, 3, s.shape[1]))
-        slope[:2] = -0.5 * z**2 * np.stack([y, x, -g / 2])
-        for component in range(3):
-            slope[component, component] += z
-        return slope
-
-    def bend(self, s: Array, z: float, stress: Array) -> Array:
-        """See `Profile`."""
-        bend = np.zeros((3, 3, s.shape[1]))
-        both = -0.5 * z**2 * (stress[0] + stress[1])
-        bend[0, 1] = bend[1, 0] = both
-        bend[2, 2] = np.divide(both, -2)
-        return bend
-
-
-PROFILES: dict[str, type[Profile]] = {"linear": LinearProfile, "quadratic": QuadraticProfile}
-"""Profiles by the name that a setting gives them."""
+With the term, a fibre keeps its volume where the surface bends both ways. On the surface z along
+the normals of one with mean curvature H and Gaussian curvature K, areas have grown by 1 + 2 H z. A
+fibre that keeps its volume is thinner there, so what was drawn at z lies at z - H z^2. With that,
+z k + z^2 k k / 2 becomes z k + z^2 (k k / 2 - H k), which is z k - z^2 K / 2 by the theorem of
+Cayley and Hamilton: a cylinder has no quadratic term (as in Rivlin's flexure, where the Green
+strain is linear in the drawn place), a sphere a negative one.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +49,7 @@ class ShellLayer:
         Stretch that the flat bonded state has from the natural one, symmetric; one for all faces
         or one for each that the layer covers.
     faces : (k,) array of int or None
-        Faces that the layer covers; None: all.
+        Faces that the layer covers, ascending; None: all.
     """
 
     name: str
@@ -120,13 +58,14 @@ class ShellLayer:
     top: float
     prestretch: Array
     faces: NDArray[np.int64] | None = None
-    points: tuple[tuple[float, float], ...] = field(init=False)  # heights and weights
+    heights: Array = field(init=False)  # of the Gauss points, m, shape (q,)
+    weights: Array = field(init=False)  # theirs, m
 
     def __post_init__(self) -> None:
         at, weight = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         middle, half = (self.top + self.bottom) / 2, (self.top - self.bottom) / 2
-        pairs = zip(middle + half * at, half * weight, strict=True)
-        object.__setattr__(self, "points", tuple((float(z), float(w)) for z, w in pairs))
+        object.__setattr__(self, "heights", middle + half * at)
+        object.__setattr__(self, "weights", half * weight)
         S = np.asarray(self.prestretch, dtype=float)
         object.__setattr__(self, "prestretch", S if S.ndim == 3 else S[:, :, None])
 
@@ -135,80 +74,133 @@ class ShellLayer:
         """Index of the faces that the layer covers."""
         return slice(None) if self.faces is None else self.faces
 
+    def part(self, block: slice) -> "ShellLayer":
+        """Return the layer on some of the faces, which are numbered anew."""
+        if self.faces is None:
+            inside, faces = block, None
+        else:
+            inside = slice(*np.searchsorted(self.faces, [block.start, block.stop]))
+            faces = self.faces[inside] - block.start
+        each = self.prestretch.shape[2] > 1
+        return replace(
+            self, faces=faces, prestretch=self.prestretch[:, :, inside] if each else self.prestretch
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Laminate:
-    """Layers that share a reference surface: energy per area of the flat bonded state.
+    """Layers that share a reference surface.
 
     Parameters
     ----------
     layers : sequence of ShellLayer
         From the same reference surface.
-    profile : Profile
-        How strain varies through the thickness.
+    quadratic : float
+        Weight of the quadratic term of the strain, see `PROFILES`.
     """
 
     layers: Sequence[ShellLayer]
-    profile: Profile
+    quadratic: float
 
     @property
     def thickness(self) -> float:
         """From the bottom of the lowest layer to the top of the highest, m."""
         return max(layer.top for layer in self.layers) - min(layer.bottom for layer in self.layers)
 
-    def layer_energy(self, layer: ShellLayer, s: Array) -> Array:
-        """Return one layer's energy per area, J/m2, shape (k,), from s on the k faces it covers."""
-        total = np.zeros(s.shape[1])
-        for z, weight in layer.points:
-            total += weight * layer.law.energy(self.profile.strain(s, z), layer.prestretch)
+    def part(self, block: slice) -> "Laminate":
+        """Return the laminate of some of the faces, a range."""
+        return replace(self, layers=[layer.part(block) for layer in self.layers])
+
+    def at(self, s: Array) -> "BentLaminate":
+        """Return the laminate in the strains and curvatures s of m faces, shape (6, m)."""
+        return BentLaminate(self, s)
+
+
+class BentLaminate:
+    """A laminate's energy per area of the flat bonded state, and its derivatives by s.
+
+    Parameters
+    ----------
+    laminate : Laminate
+        What is bent.
+    s : (6, m) array of float
+        Strain and curvature of each face.
+    """
+
+    def __init__(self, laminate: Laminate, s: Array) -> None:
+        self._shape = s.shape
+        self.layers = [
+            _BentLayer(layer, laminate.quadratic, s[:, layer.covered]) for layer in laminate.layers
+        ]
+
+    def energy(self) -> Array:
+        """Return the energy per area, J/m2, shape (m,)."""
+        total = np.zeros(self._shape[1:])
+        for bent in self.layers:
+            total[bent.layer.covered] += bent.energy()
         return total
 
-    def energy(self, s: Array) -> Array:
-        """Return the energy per area, J/m2, shape (m,), from s of shape (6, m)."""
-        total = np.zeros(s.shape[1])
-        for layer in self.layers:
-            total[layer.covered] += self.layer_energy(layer, s[:, layer.covered])
-        return total
-
-    def resultants(self, s: Array) -> Array:
+    def resultants(self) -> Array:
         """Return its derivative by s, membrane forces (N/m) and moments (N), shape (6, m)."""
-        total = np.zeros(s.shape)
-        for layer in self.layers:
-            total[:, layer.covered] += self._layer_resultants(layer, s[:, layer.covered])
+        total = np.zeros(self._shape)
+        for bent in self.layers:
+            total[:, bent.layer.covered] += bent.resultants()
         return total
 
-    def resultants_and_stiffness(self, s: Array) -> tuple[Array, Array]:
-        """Return the resultants with their own derivative by s, shape (6, 6, m)."""
-        resultants, stiffness = np.zeros(s.shape), np.zeros((6, 6, s.shape[1]))
-        for layer in self.layers:
-            here, stiff = self._layer_response(layer, s[:, layer.covered])
-            resultants[:, layer.covered] += here
-            stiffness[:, :, layer.covered] += stiff
-        return resultants, stiffness
-
-    def _layer_resultants(self, layer: ShellLayer, s: Array) -> Array:
-        total = np.zeros(s.shape)
-        for z, weight in layer.points:
-            stress = layer.law.stress(self.profile.strain(s, z), layer.prestretch)
-            self._add_stress(total, weight * stress, self.profile.slope(s, z))
+    def stiffness(self) -> Array:
+        """Return the resultants' own derivative by s, shape (6, 6, m)."""
+        total = np.zeros((6, *self._shape))
+        for bent in self.layers:
+            total[:, :, bent.layer.covered] += bent.stiffness()
         return total
 
-    def _layer_response(self, layer: ShellLayer, s: Array) -> tuple[Array, Array]:
-        resultants, stiffness = np.zeros(s.shape), np.zeros((6, 6, s.shape[1]))
-        for z, weight in layer.points:
-            strain, slope = self.profile.strain(s, z), self.profile.slope(s, z)
-            stress, tangent = layer.law.stress_and_tangent(strain, layer.prestretch)
-            stress, tangent = weight * stress, weight * tangent
-            self._add_stress(resultants, stress, slope)
-            mixed = np.einsum("ijm,jbm->ibm", tangent, slope)
-            stiffness[:3, :3] += tangent
-            stiffness[:3, 3:] += mixed
-            stiffness[3:, 3:] += np.einsum("iam,ibm->abm", slope, mixed)
-            stiffness[3:, 3:] += self.profile.bend(s, z, stress)
-        stiffness[3:, :3] = stiffness[:3, 3:].transpose(1, 0, 2)
-        return resultants, stiffness
 
-    @staticmethod
-    def _add_stress(resultants: Array, stress: Array, slope: Array) -> None:
-        resultants[:3] += stress
-        resultants[3:] += np.einsum("iam,im->am", slope, stress)
+class _BentLayer:
+    """One layer in s of shape (6, k); all its Gauss points at once, in the last axis but one.
+
+    With d the derivative of det(k) by k, the derivative of the strain by the curvature is
+    z - g z^2 / 2 (1, 1, 0) (x) d, so the resultants need the moments of the stress up to z^2 and
+    the stiffness those of the tangent up to z^4.
+    """
+
+    def __init__(self, layer: ShellLayer, quadratic: float, s: Array) -> None:
+        self.layer = layer
+        self._half = 0.5 * quadratic
+        x, y, twist = s[3:]
+        self._det_slope = np.stack([y, x, -0.5 * twist])
+        z = layer.heights[:, None]
+        strain = s[:3, None] + z * s[3:, None]
+        strain[:2] -= self._half * z**2 * (x * y - 0.25 * twist * twist)
+        self._material = layer.law.at(strain, layer.prestretch)
+
+    def energy(self) -> Array:
+        """Return the energy per area, J/m2, shape (k,)."""
+        return self.layer.weights @ self._material.energy()
+
+    def resultants(self) -> Array:
+        """Return its derivative by s, shape (6, k)."""
+        zeroth, first, second = self._moments(self._material.stress(), 2)
+        moments = first - self._half * (second[0] + second[1]) * self._det_slope
+        return np.concatenate([zeroth, moments])
+
+    def stiffness(self) -> Array:
+        """Return the resultants' own derivative by s, shape (6, 6, k)."""
+        zeroth, first, second, third, fourth = self._moments(self._material.tangent(), 4)
+        slope = self._half * self._det_slope
+        both = (fourth[0] + fourth[1])[:2].sum(axis=0)
+        mixed = first - (second[:, 0] + second[:, 1])[:, None] * slope
+        crossed = (third[:, 0] + third[:, 1])[:, None] * slope
+        bending = second - crossed - crossed.transpose(1, 0, 2)
+        bending += both * slope[:, None] * slope
+        pull = self._half * self._moments(self._material.stress(), 2)[2][:2].sum(axis=0)
+        bending[0, 1] -= pull
+        bending[1, 0] -= pull
+        bending[2, 2] += 0.5 * pull
+        upper = np.concatenate([zeroth, mixed], axis=1)
+        lower = np.concatenate([mixed.transpose(1, 0, 2), bending], axis=1)
+        return np.concatenate([upper, lower])
+
+    def _moments(self, density: Array, highest: int) -> Array:
+        """Return the integrals of z^0, z^1, ... times a density (..., q, k), in a first axis."""
+        powers = self.layer.weights * self.layer.heights ** np.arange(highest + 1)[:, None]
+        return np.moveaxis(powers @ density, -2, 0)

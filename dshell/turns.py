@@ -13,50 +13,54 @@ fibre that keeps its volume is shorter by A / A', so strain varies along it as z
 has stretched, and by how much depends on how the edges lie: refining the mesh does not help.
 """
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
-from dshell.hinges import NUMBERING, Fold
+from dshell.hinges import Fold, add_at_ends
 
 Array = NDArray[np.float64]
+
+TURN_ROWS = 6
+"""Rows of the second derivative of each turn."""
 
 
 class Turn(Fold):
     """The angle across hinges over their present length, with its derivatives; see `Fold`."""
 
-    def __init__(self, corners: Array, numbering: tuple[int, int, int, int] = NUMBERING) -> None:
-        super().__init__(corners, numbering)
-        self._ratio = self.angle / self._length
-
-    @property
+    @cached_property
     def sharpness(self) -> Array:
-        """The angle over the present length, 1/m, shape (h,)."""
-        return self._ratio
+        """The angle over the present length, 1/m, shape (...)."""
+        return self.angle / self._length
 
-    @property
+    @cached_property
     def sharpness_gradient(self) -> Array:
-        """Derivative of the sharpness by the nodes' positions, 1/m2, shape (h, 4, 3)."""
-        change = self.gradient
-        for end, sign in zip(self._ends, (-1.0, 1.0), strict=True):
-            change[:, end] -= sign * self._ratio[:, None] * self._along
-        return np.divide(change, self._length[:, None, None])
+        """Derivative of the sharpness by the nodes' positions, 1/m2, shape (3, 4, ...)."""
+        change = self.gradient.copy()
+        add_at_ends(change, -self.sharpness * self._along)
+        return change / self._length
 
-    def sharpness_hessian(self, factor: Array) -> Array:
-        """Return a factor (h,) times the second derivative, 1/m3, shape (h, 12, 12).
+    def sharpness_hessian_rows(self) -> tuple[Array, Array]:
+        """Return rows L and R of which S[L^T R] is the second derivative, each (6, 3, 4, ...).
 
-        It is H(theta) / l' - S[d(theta / l') (x) d l'] / l' - (theta / l') H(l') / l'.
+        With l = l', a the angle, t along the hinge and c (x) t the derivative of l, it is
+
+            H(a) / l - S[da (x) (c (x) t)] / l^2 + 2 a / l^3 (c (x) t)^2 - a / l^2 H(l),
+
+        where l H(l) is c c^T times the projection across t, which n and m of either triangle span.
         """
-        share = np.divide(factor, self._length)
-        hessian = self.hessian(share)
-        slope = (share[:, None, None] * self.sharpness_gradient).reshape(-1, 12)
-        across = np.divide(share * self._ratio, self._length)[:, None, None] * (
-            np.eye(3) - self._along[:, :, None] * self._along[:, None, :]
-        )
-        for end, sign in zip(self._ends, (-1.0, 1.0), strict=True):
-            row = slice(3 * end, 3 * end + 3)
-            part = sign * slope[:, :, None] * self._along[:, None, :]
-            hessian[:, :, row] -= part
-            hessian[:, row, :] -= part.transpose(0, 2, 1)
-            for other, its_sign in zip(self._ends, (-1.0, 1.0), strict=True):
-                hessian[:, row, 3 * other : 3 * other + 3] -= sign * its_sign * across
-        return hessian
+        length, along, sharpness = self._length, self._along, self.sharpness
+        left, right = np.zeros((2, TURN_ROWS, *self.gradient.shape))
+        left[:4], angle_part = self.hessian_rows()
+        right[:4] = angle_part / length
+        per_area = 1 / length**2
+        normal, inward = self._normal[:, 0], self._inward[:, 0]
+        for side in range(2):
+            add_at_ends(right[side], -per_area * along)
+        add_at_ends(right[2], -0.5 * sharpness * per_area * normal)
+        add_at_ends(left[4], along)
+        add_at_ends(right[4], sharpness * per_area * along)
+        add_at_ends(left[5], inward)
+        add_at_ends(right[5], -0.5 * sharpness * per_area * inward)
+        return left, right

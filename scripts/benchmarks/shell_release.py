@@ -13,9 +13,8 @@ from typing import Any
 
 from benchmarks.sections import cpu_by_section
 from bilayer import CutPattern, MeshSize, Specimen, generate_mesh, paper_specimen
-from dshell import linear_solver, morley, solve, solver
+from dshell import linear_solver, morley, newton, solve, solver
 from dshell.assembly import Assembly
-from dshell.newton import Body
 
 SECTIONS = {
     "set-up": [(Assembly, "__init__"), (morley.MorleyFaces, "__init__")],
@@ -23,7 +22,8 @@ SECTIONS = {
         (Assembly, "gradient"),
         (Assembly, "hessian"),
         (Assembly, "convex_hessian"),
-        (Body, "potential"),
+        (Assembly, "energies"),
+        (newton, "deform"),
     ],
     "factorisation": [
         (kind, name)

@@ -27,6 +27,7 @@ from dshell.hinge_rest_state import specimen_sections
 from dshell.morley import MorleyFaces
 from dshell.morley_model import specimen_layers
 from dshell.rigid_motion import held_coordinates, held_nodes
+from dshell.through_thickness import PROFILES
 from verification.meshes import rectangle
 from verification.shell_problem import Problem, nodes_of, plate
 
@@ -58,7 +59,7 @@ def linear_disc(poisson_ratio: float, size: float = 0.003) -> Specimen:
     return Specimen(RADIUS, *layers, Prestretch((1.01,)), None, MeshSize(size))
 
 
-def bilayer_faces(specimen: Specimen, mesh: PlanarMesh, stretch, profile=None):
+def bilayer_faces(specimen: Specimen, mesh: PlanarMesh, stretch, profile="linear"):
     """Faces of a specimen's layers and their flat state."""
     return plate(mesh, specimen_layers(specimen, mesh, stretch), profile)
 
@@ -70,7 +71,7 @@ def small_mismatch_curvature(mesh: PlanarMesh, stretch: float = 1.00003) -> np.n
     held = held_coordinates(held_nodes(mesh))
     state = Problem(faces, flat, held, np.zeros(len(flat))).solved(1e-8)
     expected = specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
-    return faces.strains(state[faces.dofs])[3:5] / expected
+    return faces.at(state[faces.dofs]).strains[3:5] / expected
 
 
 @dataclass
@@ -179,7 +180,7 @@ def _least_stiffness(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> float
 def _centre_curvatures(faces, state, mesh: PlanarMesh) -> np.ndarray:
     """The two principal curvatures at the centre, ascending, 1/m."""
     near = np.linalg.norm(mesh.points[mesh.triangles].mean(axis=1), axis=1) < CENTRE
-    xx, yy, twice_xy = faces.strains(state[faces.dofs])[3:, near].mean(axis=1)
+    xx, yy, twice_xy = faces.at(state[faces.dofs]).strains[3:, near].mean(axis=1)
     return np.linalg.eigvalsh([[xx, twice_xy / 2], [twice_xy / 2, yy]])
 
 
@@ -195,10 +196,10 @@ def timoshenko_strip(stretch: float, cells: int = 80) -> float:
     state = Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat))).solved()
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.04 / 3
     areas = mesh.areas[middle]
-    return float(faces.strains(state[faces.dofs])[3, middle] @ areas / areas.sum())
+    return float(faces.at(state[faces.dofs]).strains[3, middle] @ areas / areas.sum())
 
 
-def flexure(stretch: float, profile=None, cells: int = 40) -> tuple[float, float]:
+def flexure(stretch: float, profile="linear", cells: int = 40) -> tuple[float, float]:
     """Angle per length, 1/m, and stretch of the bond of a bilayer that is bent with its width held.
 
     The width is held by the nodes' y, the prestretch is along x only; in the middle third.
@@ -213,9 +214,9 @@ def flexure(stretch: float, profile=None, cells: int = 40) -> tuple[float, float
     if problem.unstable_modes(state):
         raise ComputationError("the bent strip is not stable")
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.02 / 3
-    strain, _, _, curvature, _, _ = faces.strains(state[faces.dofs])[:, middle].mean(axis=1)
+    strain, _, _, curvature, _, _ = faces.at(state[faces.dofs]).strains[:, middle].mean(axis=1)
     height = faces.laminate.layers[0].top  # of the bond over the surface
-    at_bond = strain + height * curvature + (profile is not None) * (height * curvature) ** 2 / 2
+    at_bond = strain + height * curvature + PROFILES[profile] * (height * curvature) ** 2 / 2
     return float(curvature), float(np.sqrt(1 + 2 * at_bond))
 
 

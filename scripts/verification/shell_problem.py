@@ -18,7 +18,7 @@ from dshell.linear_solver import best_linear_solver
 from dshell.morley import MorleyFaces
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits
 from dshell.plane_stress import plane_stress_law
-from dshell.through_thickness import Laminate, LinearProfile, ShellLayer
+from dshell.through_thickness import PROFILES, Laminate, ShellLayer
 
 Array = NDArray[np.float64]
 CLAMP_STIFFNESS = 1e3
@@ -50,8 +50,8 @@ class Problem:
     ) -> Array:
         """State in equilibrium under the load, from flat or from another state."""
         solver = self._solver()
-        elastic = np.linalg.norm(solver.residual(Body(self.energies, 0 * self.load), self.flat))
-        scale = elastic + np.linalg.norm(self.load)
+        weightless = Body(self.energies, 0 * self.load)
+        scale = solver.placed(weightless, self.flat).error + np.linalg.norm(self.load)
         outcome = solver.settle(
             [Body(self.energies, self.load)],
             self.flat if start is None else start,
@@ -70,7 +70,7 @@ class Problem:
 
     def least_stiffness(self, state: Array) -> float:
         """Eigenvalue of the Hessian nearest to 0, N/m."""
-        hessian = self._solver().assembly.hessian(self.energies, state)
+        hessian = self._solver().placed(Body(self.energies, self.load), state).hessian()
         begin = np.random.default_rng(0).normal(size=hessian.shape[0])
         return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
 
@@ -79,9 +79,9 @@ class Problem:
         return EquilibriumSolver(assembly, best_linear_solver())
 
 
-def plate(mesh: PlanarMesh, layers, profile=None) -> tuple[MorleyFaces, Array]:
+def plate(mesh: PlanarMesh, layers, profile="linear") -> tuple[MorleyFaces, Array]:
     """Faces of some layers on a mesh, and their flat state."""
-    laminate = Laminate(layers, LinearProfile() if profile is None else profile)
+    laminate = Laminate(layers, PROFILES[profile])
     faces = MorleyFaces(mesh.points, mesh.triangles, laminate)
     nodes = np.column_stack([mesh.points, np.zeros(len(mesh.points))]).reshape(-1)
     return faces, np.concatenate([nodes, np.zeros(faces.edge_count)])
