@@ -99,9 +99,7 @@ class Assembly:
         total = np.bincount(self._dofs, np.concatenate(parts), minlength=self.size)
         return total.astype(np.float64, copy=False)
 
-    def hessian(
-        self, deformed: Sequence[Deformed], diagonal: Array | float = 0.0
-    ) -> csc_matrix:
+    def hessian(self, deformed: Sequence[Deformed], diagonal: Array | float = 0.0) -> csc_matrix:
         """Return the second derivative by the free dofs, N/m, plus a diagonal.
 
         Parameters

@@ -58,10 +58,8 @@ class DynamicRelease(StaticRelease):
                 self._iterations += motion.iterations
                 self._load_steps += 1
                 stretch = self._stretch_at(start.stretch, target, motion.time)
-                residual = self._solver.residual(self._body(stretch), motion.position)
-                here = Equilibrium(
-                    stretch, motion.position, float(np.linalg.norm(residual)) / scale
-                )
+                moved = self._solver.placed(self._body(stretch), motion.position)
+                here = Equilibrium(stretch, motion.position, moved.error / scale)
                 if motion.time < stepping.end:
                     yield here
         except ConvergenceError as stop:

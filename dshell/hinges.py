@@ -28,6 +28,7 @@ from dshell.assembly import coordinates_of
 
 Array = NDArray[np.float64]
 
+
 @dataclass(frozen=True, eq=False)
 class Hinges:
     """Hinges with their natural angles.
@@ -131,9 +132,7 @@ class Fold:
     @cached_property
     def gradient(self) -> Array:
         """Derivative of the angle by the nodes' positions, 1/m, shape (3, 4, ...)."""
-        first, second = (
-            self._normal[:, None, side] * self._weights[:, side] for side in range(2)
-        )
+        first, second = (self._normal[:, None, side] * self._weights[:, side] for side in range(2))
         return first + second
 
     def hessian_rows(self) -> tuple[Array, Array]:

@@ -206,7 +206,7 @@ class EquilibriumSolver:
             if converged or iteration == limits.iterations:
                 break
             try:
-                here = self._improved(here, limits.longest_step)
+                here = self._improved(here, limits)
             except NoDescentError:
                 break
         return Outcome(here.state, converged, here.error, iteration)
@@ -253,14 +253,14 @@ class EquilibriumSolver:
         direction[self.assembly.free] = modes[:, 0]
         return direction / direction[np.argmax(np.abs(direction))]
 
-    def _improved(self, here: Configuration, longest: float) -> Configuration:
+    def _improved(self, here: Configuration, limits: NewtonLimits) -> Configuration:
         """Return what one iteration makes of it: the longest halved step that is low enough."""
         factor = self._descent(here)
-        step = self._step(factor, here.residual, longest)
+        step = self._step(factor, here.residual, limits.longest_step)
         slope = float(here.residual @ step[self.assembly.free])
         share = 1.0
         while share > SHORTEST_STEP:
-            there = self._corrected(here, share * step, factor, longest)
+            there = self._corrected(here, share * step, factor, limits)
             change = there.energy - here.energy
             if change <= SUFFICIENT_DECREASE * share * slope:
                 return there
@@ -270,14 +270,15 @@ class EquilibriumSolver:
         raise NoDescentError("no step along Newton's direction lowers the energy")
 
     def _corrected(
-        self, here: Configuration, step: Array, factor: Factor, longest: float
+        self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
     ) -> Configuration:
         """Return what comes after a step and those corrections that lower the energy."""
         there = self.placed(here.body, here.state + step)
         for _ in range(CORRECTIONS):
-            if not np.isfinite(there.energy):
+            if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
-            lower = self._lower(there, self._step(factor, there.residual, longest))
+            correction = self._step(factor, there.residual, limits.longest_step)
+            lower = self._lower(there, correction)
             if lower is None:
                 break
             there = lower

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import INTERRUPTED, InputError
@@ -48,7 +47,7 @@ def release_paper(
     specimen: Specimen,
     mesh: PlanarMesh,
     settings: PaperSettings,
-    start: xr.Dataset | None,
+    start: Array | None,
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     """Run every milestone by itself, from flat.
@@ -202,7 +201,7 @@ def _stop_reason(prestretch: float, share: float, stop: ConvergenceError) -> str
     return f"prestretch {prestretch:g} stopped after {share:.0%} of its ramp: {stop}"
 
 
-def _check_input(specimen: Specimen, start: xr.Dataset | None) -> None:
+def _check_input(specimen: Specimen, start: Array | None) -> None:
     if start is not None:
         raise InputError(
             "start = a result: the paper's model runs each milestone from flat, expected none"

@@ -125,7 +125,9 @@ class _MooneyRivlinState:
         """Return the derivatives of T and D by the strain."""
         xx, yy, xy, area2 = self._squared
         a, b, g = self._doubled
-        return 2 * np.stack(np.broadcast_arrays(xx, yy, xy, a)[:3]), 2 * area2 * np.stack([b, a, -g])
+        return 2 * np.stack(np.broadcast_arrays(xx, yy, xy, a)[:3]), 2 * area2 * np.stack(
+            [b, a, -g]
+        )
 
     def _first(self) -> tuple[Array, Array]:
         """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""

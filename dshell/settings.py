@@ -45,6 +45,11 @@ class ReleaseSettings:
         0.01, "smallest load step that is tried over the way between two milestones"
     )
 
+    coarse_triangles: int = documented(
+        1500,
+        "static: a mesh with more than 4 times as many triangles starts from the shape on a mesh "
+        "with about so many; 0: from flat",
+    )
     branch: str = documented(
         "lowest",
         "where an equilibrium is unstable, which of the stable ones to either side of its mode to "
@@ -58,6 +63,7 @@ class ReleaseSettings:
         _check_times(self.total_time, self.time_step)
         not_negative("solver.damping_rate", self.damping_rate, "1/s")
         whole("solver.max_iterations", self.max_iterations, at_least=1)
+        whole("solver.coarse_triangles", self.coarse_triangles, at_least=0)
         fraction("solver.tolerance", self.tolerance)
         for name in ("ramp", "longest_step", "smallest_step"):
             positive(f"solver.{name}", getattr(self, name))

@@ -3,16 +3,19 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import scipy
 import xarray as xr
+from numpy.typing import NDArray
 
 from bilayer.errors import INTERRUPTED, InputError, Interrupted
 from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import MilestoneState, build_result
+from bilayer.result import MilestoneState, build_result, result_mesh, starting_shape
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from bilayer.starting import began
+from bilayer.starting import ANOTHER_RESULT, FLAT, described
+from dshell.coarse_start import coarse_mesh, prolonged
 from dshell.dynamic_release import DynamicRelease
 from dshell.hinge_model import HingeModel
 from dshell.linear_solver import best_linear_solver
@@ -20,6 +23,8 @@ from dshell.morley_model import MorleyModel
 from dshell.paper_model import release_paper
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
 from dshell.static_release import ShellModel, StaticRelease, visit_milestones
+
+Array = NDArray[np.float64]
 
 PARALLEL = False
 """Under mpirun the first rank computes alone."""
@@ -34,7 +39,7 @@ MODELS = {"morley": MorleySettings, "hinge": HingeSettings, "paper": PaperSettin
 
 Settings = MorleySettings | HingeSettings | PaperSettings
 Release = Callable[
-    [Specimen, PlanarMesh, Any, xr.Dataset | None, Progress | None],
+    [Specimen, PlanarMesh, Any, Array | None, Progress | None],
     tuple[list[MilestoneState], str],
 ]
 
@@ -48,7 +53,7 @@ def _release(
     mesh: PlanarMesh,
     model: ShellModel,
     settings: ReleaseSettings,
-    start: xr.Dataset | None,
+    start: Array | None,
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     path = METHODS[settings.method](specimen, mesh, model, settings, best_linear_solver())
@@ -59,7 +64,7 @@ def _release_morley(
     specimen: Specimen,
     mesh: PlanarMesh,
     settings: MorleySettings,
-    start: xr.Dataset | None,
+    start: Array | None,
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     model = MorleyModel(specimen, mesh, settings)
@@ -70,7 +75,7 @@ def _release_hinge(
     specimen: Specimen,
     mesh: PlanarMesh,
     settings: HingeSettings,
-    start: xr.Dataset | None,
+    start: Array | None,
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     model = HingeModel(specimen, mesh)
@@ -127,7 +132,8 @@ def solve(
     chosen = MorleySettings() if settings is None else settings
     model = _model_of(chosen)
     mesh = mesh_within_memory(specimen, mesh, BYTES_PER_TRIANGLE, "the discrete shell")
-    states, stop_reason = _RELEASES[model](specimen, mesh, chosen, start, progress)
+    shape, began = _beginning(specimen, mesh, chosen, start)
+    states, stop_reason = _RELEASES[model](specimen, mesh, chosen, shape, progress)
     result = build_result(
         specimen,
         mesh,
@@ -138,10 +144,33 @@ def solve(
         versions={"scipy": scipy.__version__},
         stop_reason=stop_reason,
     )
-    result.attrs["start"] = began(start)
+    result.attrs["start"] = began
     if stop_reason == INTERRUPTED:
         raise Interrupted(result)
     return result
+
+
+def _beginning(
+    specimen: Specimen, mesh: PlanarMesh, settings: Settings, start: xr.Dataset | None
+) -> tuple[Array | None, str]:
+    """Return the shape that the first milestone starts from, None for flat, and what it is."""
+    first = specimen.prestretch.milestones[0]
+    if start is not None:
+        return starting_shape(start, mesh, max(first)), ANOTHER_RESULT + described(start)
+    coarse = _coarse_result(specimen.with_milestones([first]), mesh, settings)
+    if coarse is None or not coarse["converged"].all():
+        return None, FLAT
+    shape = coarse["position"].values[0]
+    words = f"{FLAT}, on a coarse mesh first: {described(coarse)}"
+    return prolonged(shape, result_mesh(coarse), mesh), words
+
+
+def _coarse_result(specimen: Specimen, mesh: PlanarMesh, settings: Settings) -> xr.Dataset | None:
+    """Return the result on a coarse mesh where the mesh is fine and the settings ask for it."""
+    if not isinstance(settings, ReleaseSettings) or settings.method != "static":
+        return None
+    coarse = coarse_mesh(specimen, mesh, settings.coarse_triangles)
+    return None if coarse is None else solve(specimen, settings, mesh=coarse)
 
 
 def _model_of(settings: Any) -> str:

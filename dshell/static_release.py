@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.alignment import aligned, placed
 from bilayer.errors import INTERRUPTED, ComputationError
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import MilestoneState, starting_shape
+from bilayer.result import MilestoneState
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
 from bilayer.surface import flat_surface
@@ -123,10 +122,9 @@ class StaticRelease:
         points = np.column_stack([self._mesh.points, np.zeros(len(self._mesh.points))])
         return Equilibrium(stretch, self._state_of(points))
 
-    def started(self, result: xr.Dataset, stretch: Stretch) -> Equilibrium:
-        """Return the equilibrium near a result's shape at a prestretch, or the flat state."""
+    def started(self, bond: Array, stretch: Stretch) -> Equilibrium:
+        """Return the equilibrium near a bonded interface at a prestretch, or the flat state."""
         mesh, depth = self._mesh, -self._model.bond_height(stretch)
-        bond = starting_shape(result, mesh, max(stretch))
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
         upright = placed(surface, mesh.points, self._held)
         guess = Equilibrium(stretch, self._state_of(upright))
@@ -172,6 +170,9 @@ class StaticRelease:
         ComputationError
             The smallest step fails, too.
         """
+        if start.stretch == target and start.unstable_modes is not None:
+            yield start
+            return
         share, step = 0.0, 1.0
         here = start
         while share < 1:
@@ -250,7 +251,7 @@ class StaticRelease:
 def visit_milestones(
     specimen: Specimen,
     path: StaticRelease,
-    start: xr.Dataset | None,
+    start: Array | None,
     progress: Progress | None,
 ) -> tuple[list[MilestoneState], str]:
     """Visit the milestones of a specimen in their order.
@@ -261,8 +262,8 @@ def visit_milestones(
         Whose milestones.
     path : StaticRelease
         How one goes from one to the next; or its like in time.
-    start : Dataset or None
-        A result on the same mesh, whose shape nearest to the first milestone starts it.
+    start : (n, 3) array of float or None
+        Bonded interface that starts the first milestone, m; None: flat.
     progress : callable or None
         See `bilayer.solvers.Progress`.
 
@@ -272,11 +273,6 @@ def visit_milestones(
         Of the milestones reached and, last, of the one where the path stopped.
     stop_reason : str
         Why it stopped, or an empty text.
-
-    Raises
-    ------
-    InputError
-        The start is on another mesh, or has no milestone.
     """
     milestones = specimen.prestretch.milestones
     begun = time.perf_counter()

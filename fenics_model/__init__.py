@@ -9,7 +9,7 @@ from typing import Any
 
 import xarray as xr
 
-from bilayer.errors import ComputationError
+from bilayer.errors import ComputationError, InputError
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
@@ -72,7 +72,8 @@ def solve(
     ComputationError
         dolfinx is not there, or gmsh fails.
     InputError
-        `start` is on another mesh, or the model does not fit into memory.
+        The settings are not of this model, `start` is on another mesh, or the model does not fit
+        into memory.
     """
     try:
         import dolfinx.fem.petsc  # noqa: F401
@@ -86,4 +87,6 @@ def solve(
     from fenics_model.release import release
 
     chosen = SolidSettings() if settings is None else settings
+    if not isinstance(chosen, SolidSettings):
+        raise InputError(f"settings = {chosen!r}: expected SolidSettings")
     return release(specimen, chosen, mesh=mesh, start=start, comm=comm, progress=progress)

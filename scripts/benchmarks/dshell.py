@@ -12,6 +12,8 @@ import pandas as pd
 
 from benchmarks import linear_solvers, peer
 from benchmarks.shell_release import SECTIONS, Release, cost, in_a_process_of_its_own
+from dshell import MorleySettings
+from dshell.coarse_start import GAIN
 
 DESCRIPTION = "the discrete shell: iterations, CPU time by section, memory, sparse solvers"
 EXAMPLES = """\
@@ -19,6 +21,7 @@ EXAMPLES = """\
   scripts/benchmark dshell --largest 100000            # one mesh more
   scripts/benchmark dshell --peer ../dismech-python    # its requirements in its own .venv
   scripts/benchmark dshell --write                     # and docs/performance.md"""
+COARSE = MorleySettings().coarse_triangles
 TRIANGLES = (1300, 2600, 5200, 10_000, 20_000)
 TARGETS = (1.06, 1.15, 1.24)
 STRIPS = (4, 5, 6)
@@ -77,6 +80,9 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
     yield "Shares of the total, %\n" + _text(
         pd.concat([rows["triangles"], shares], axis=1), "{:.0f}"
     )
+    fine = [size for size in sizes if size > GAIN * COARSE]
+    if fine:
+        yield _from_coarse(fine, rows)
     few = rows[rows["triangles"] <= GROWTH_UP_TO]
     if len(few) > 1:
         per_iteration = few["total"] / few["iterations"]
@@ -85,6 +91,18 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
         yield f"Growth up to {few['triangles'].max()} triangles: CPU ~ triangles^p\n" + _text(
             pd.DataFrame([exponents]), "{:.2f}"
         )
+
+
+def _from_coarse(sizes: list[int], from_flat: pd.DataFrame) -> str:
+    """The same releases from the shape on a coarse mesh, beside those from flat."""
+    releases = [Release(size, coarse_triangles=COARSE) for size in sizes]
+    rows = pd.DataFrame([_reported(in_a_process_of_its_own(cost, one)) for one in releases])
+    counts = ["triangles", "iterations", "unstable modes", "GB", "sphere radius (mm)", "total"]
+    table = rows[counts].merge(
+        from_flat[["triangles", "total"]], on="triangles", how="left", suffixes=("", " from flat")
+    )
+    table["ratio"] = table["total from flat"] / table["total"]
+    return "The same from the shape on a coarse mesh, which is in the total\n" + _text(table)
 
 
 def _reported(found: dict[str, Any]) -> dict[str, Any]:

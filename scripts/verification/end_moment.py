@@ -39,33 +39,38 @@ class EndMoment:
         """Places of each line's coordinates in the state, shape (n, 2, 3)."""
         return coordinates_of(self.lines)
 
-    def energy(self, values: Array) -> Array:
-        """Return -M phi of each line, J, shape (n,), from nodes of shape (n, 2, 3)."""
-        x, z = self._spans(values)
-        c, s = np.cos(self.about), np.sin(self.about)
-        return -self.moments * (self.about + np.arctan2(-c * z - s * x, c * x - s * z))
+    def at(self, values: Array) -> "_TurnedLines":
+        """Return the lines with their nodes at positions of shape (n, 2, 3), m."""
+        x, _, z = (values[:, 1] - values[:, 0]).T
+        return _TurnedLines(self, x, z)
 
-    def gradient(self, values: Array) -> Array:
-        """Return its derivative, N, shape (n, 2, 3)."""
-        x, z = self._spans(values)
-        square = x**2 + z**2
-        by_span = -self.moments * np.array([z, 0 * x, -x]) / square
+
+@dataclass(frozen=True, eq=False)
+class _TurnedLines:
+    load: EndMoment
+    x: Array  # from the first node of each line to the second
+    z: Array
+
+    def energy(self) -> Array:
+        """Return -M phi of each line; see `dshell.assembly.Deformed`."""
+        about, x, z = self.load.about, self.x, self.z
+        c, s = np.cos(about), np.sin(about)
+        return -self.load.moments * (about + np.arctan2(-c * z - s * x, c * x - s * z))
+
+    def gradient(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        square = self.x**2 + self.z**2
+        by_span = -self.load.moments * np.array([self.z, 0 * self.x, -self.x]) / square
         return np.stack([-by_span.T, by_span.T], axis=1)
 
-    def hessian(self, values: Array) -> Array:
-        """Return its second derivative, N/m, shape (n, 6, 6)."""
-        x, z = self._spans(values)
-        both, apart, none = 2 * x * z, x**2 - z**2, 0 * x
+    def hessian(self) -> Array:
+        """See `dshell.assembly.Deformed`."""
+        both, apart, none = 2 * self.x * self.z, self.x**2 - self.z**2, 0 * self.x
         rows = np.array([[-both, none, apart], [none, none, none], [apart, none, both]])
-        by_span = -self.moments * rows / (x**2 + z**2) ** 2
+        by_span = -self.load.moments * rows / (self.x**2 + self.z**2) ** 2
         signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
-        count = len(self.lines)
-        return np.einsum("ab,ijn->naibj", signs, by_span).reshape(count, 6, 6)
+        return np.einsum("ab,ijn->naibj", signs, by_span).reshape(len(self.x), 6, 6)
 
-    def convex_hessian(self, values: Array) -> Array:
+    def convex_hessian(self) -> Array:
         """Return nothing: half of the eigenvalues are negative, and all of them small."""
-        return np.zeros((len(self.lines), 6, 6))
-
-    def _spans(self, values: Array) -> tuple[Array, Array]:
-        x, _, z = (values[:, 1] - values[:, 0]).T
-        return x, z
+        return np.zeros((len(self.x), 6, 6))

@@ -59,6 +59,7 @@ def stretching_poisson_ratio() -> float:
     flat = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     springs = EdgeSprings(edges, np.full(len(edges), STIFFNESS), np.full(len(edges), EDGE))
     along, equal = (
-        springs.at((flat * [1 + 1e-5, 1 + across, 1])[edges]).energy().sum() for across in (0.0, 1e-5)
+        springs.at((flat * [1 + 1e-5, 1 + across, 1])[edges]).energy().sum()
+        for across in (0.0, 1e-5)
     )
     return float(equal / along / 2 - 1)

@@ -62,9 +62,7 @@ def test_whole_hessian_is_the_derivative_of_the_whole_gradient(shell):
     change -= assembly.gradient(deform(energies, positions - step))
     free = free_dofs(positions)
     product = assembly.hessian(deform(energies, positions)) @ direction.reshape(-1)[free]
-    assert product == pytest.approx(
-        change[free] / 2e-6, abs=1e-7 * np.abs(product).max()
-    )
+    assert product == pytest.approx(change[free] / 2e-6, abs=1e-7 * np.abs(product).max())
 
 
 def test_pattern_is_fixed_and_holds_the_diagonal(shell):

@@ -22,6 +22,7 @@ from bilayer import (
 )
 from bilayer import solve as bilayer_solve
 from bilayer.comparison import compare
+from dshell import MorleySettings
 from fenics_model import MODELS, SolidSettings, solve
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.012))
@@ -66,6 +67,12 @@ def test_settings_name_what_is_wrong():
         SolidSettings(smallest_step=0.002)
     with pytest.raises(InputError, match=r"solver\.first_step = 0\.1.*solver\.largest_step"):
         SolidSettings(first_step=0.1)
+
+
+@needs_dolfinx
+def test_settings_of_another_solver_are_refused(mesh):
+    with pytest.raises(InputError, match=r"settings = MorleySettings.*: expected SolidSettings"):
+        solve(COARSE, MorleySettings(), mesh=mesh)
 
 
 @needs_dolfinx

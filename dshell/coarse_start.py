@@ -1,0 +1,76 @@
+"""A fine mesh starts from the shape that a coarse one takes.
+
+From flat, a fine mesh takes as many Newton iterations as a coarse one, each at its own price, and
+its stiffness is indefinite on most of the way. From the coarse mesh's shape it takes a few.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CloughTocher2DInterpolator
+from scipy.spatial import ConvexHull
+
+from bilayer.errors import BilayerError
+from bilayer.mesh_generation import generate_mesh
+from bilayer.planar_mesh import PlanarMesh
+from bilayer.specimen import MeshSize, Specimen
+
+Array = NDArray[np.float64]
+
+GAIN = 4
+"""A mesh is fine where it has so many times the triangles of the coarse one."""
+TRIANGLES_PER_AREA = 1.2 * 4 / math.sqrt(3)
+"""Times the square of the mesh size: 1.2 (measured) times as many as equilateral ones."""
+
+
+def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarMesh | None:
+    """Return a mesh of a specimen of about so many triangles, where a mesh is fine beside it.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        What is drawn.
+    mesh : PlanarMesh
+        The mesh that is to be started.
+    triangles : int
+        Of the coarse mesh, about; 0: none.
+
+    Returns
+    -------
+    PlanarMesh or None
+        None where the mesh is not fine, or a coarse one cannot be drawn.
+    """
+    if triangles == 0 or len(mesh.triangles) <= GAIN * triangles:
+        return None
+    size = specimen.outer_radius * math.sqrt(math.pi * TRIANGLES_PER_AREA / triangles)
+    try:
+        coarse = generate_mesh(replace(specimen, mesh=MeshSize(size)))
+    except BilayerError:  # gmsh is not there, or it cannot draw strips so coarsely
+        return None
+    return coarse if len(mesh.triangles) > GAIN / 2 * len(coarse.triangles) else None
+
+
+def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
+    """Return a smooth surface through the nodes of a coarse mesh at those of a fine one.
+
+    The coarse rim is a polygon within the fine one. So that nothing is extrapolated, the fine mesh
+    is shrunk into it, and the surface grows again by as much.
+
+    Parameters
+    ----------
+    shape : (n, 3) array of float
+        Positions of the coarse mesh's nodes, m.
+    coarse, fine : PlanarMesh
+        Of the same disc.
+
+    Returns
+    -------
+    (m, 3) array of float
+        Positions of the fine mesh's nodes, m.
+    """
+    inside = -ConvexHull(coarse.points).equations[:, 2].max()  # the nearest side's distance
+    share = (1 - 1e-9) * inside / np.linalg.norm(fine.points, axis=1).max()
+    surface: Array = CloughTocher2DInterpolator(coarse.points, shape)(share * fine.points)
+    return surface / share
