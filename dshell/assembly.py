@@ -80,8 +80,10 @@ class Assembly:
         stored = int(np.searchsorted(pattern, count * count))
         self._diagonal_slots = slots[:count]
         self._slots = slots[count:]
-        columns, self._rows = np.divmod(pattern[:stored], max(count, 1))
-        self._column_starts = np.searchsorted(columns, np.arange(count + 1))
+        columns, rows = np.divmod(pattern[:stored], max(count, 1))
+        starts = np.searchsorted(columns, np.arange(count + 1))
+        # SciPy would make 64-bit places shorter for every matrix
+        self._rows, self._column_starts = rows.astype(np.intc), starts.astype(np.intc)
 
     def energies(self, deformed: Sequence[Deformed]) -> list[float]:
         """Return the total of each energy, J."""
