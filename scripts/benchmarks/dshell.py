@@ -66,7 +66,7 @@ def tables(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _by_mesh(sizes: list[int]) -> Iterator[str]:
-    rows = pd.DataFrame([_reported(in_a_process_of_its_own(cost, Release(n))) for n in sizes])
+    rows = _measured([Release(size) for size in sizes])
     counts = ["triangles", "dofs", "iterations", "load steps", "unstable modes", "GB"]
     rows["kB per triangle"] = 1e6 * rows["GB"] / rows["triangles"]
     yield "One release from flat to a prestretch of 1.15, in one step\n" + _text(
@@ -80,29 +80,39 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
     yield "Shares of the total, %\n" + _text(
         pd.concat([rows["triangles"], shares], axis=1), "{:.0f}"
     )
+    yield from _growth(rows, "from flat")
     fine = [size for size in sizes if size > GAIN * COARSE]
     if fine:
-        yield _from_coarse(fine, rows)
+        started = _measured([Release(size, coarse_triangles=COARSE) for size in fine])
+        yield _beside_flat(started, rows)
+        coarse = rows[[size not in fine for size in sizes]]
+        yield from _growth(pd.concat([coarse, started]), "by default")
+
+
+def _measured(releases: list[Release]) -> pd.DataFrame:
+    return pd.DataFrame([_reported(in_a_process_of_its_own(cost, one)) for one in releases])
+
+
+def _growth(rows: pd.DataFrame, start: str) -> Iterator[str]:
+    """Exponents of the cost over the number of triangles."""
     few = rows[rows["triangles"] <= GROWTH_UP_TO]
     if len(few) > 1:
-        per_iteration = few["total"] / few["iterations"]
-        exponents = {name: _exponent(few, few[name]) for name in ["meshing", *parts]}
-        exponents["total per iteration"] = _exponent(few, per_iteration)
-        yield f"Growth up to {few['triangles'].max()} triangles: CPU ~ triangles^p\n" + _text(
-            pd.DataFrame([exponents]), "{:.2f}"
-        )
+        sections = ["meshing", *SECTIONS, "rest", "total"]
+        exponents = {name: _exponent(few, few[name]) for name in sections}
+        exponents["total per iteration"] = _exponent(few, few["total"] / few["iterations"])
+        title = f"Growth up to {few['triangles'].max()} triangles, {start}: CPU ~ triangles^p"
+        yield f"{title}\n" + _text(pd.DataFrame([exponents]), "{:.2f}")
 
 
-def _from_coarse(sizes: list[int], from_flat: pd.DataFrame) -> str:
-    """The same releases from the shape on a coarse mesh, beside those from flat."""
-    releases = [Release(size, coarse_triangles=COARSE) for size in sizes]
-    rows = pd.DataFrame([_reported(in_a_process_of_its_own(cost, one)) for one in releases])
+def _beside_flat(started: pd.DataFrame, from_flat: pd.DataFrame) -> str:
+    """Releases from the shape on a coarse mesh, beside those from flat."""
     counts = ["triangles", "iterations", "unstable modes", "GB", "sphere radius (mm)", "total"]
-    table = rows[counts].merge(
-        from_flat[["triangles", "total"]], on="triangles", how="left", suffixes=("", " from flat")
+    both = started[counts].merge(
+        from_flat[["triangles", "total"]], on="triangles", suffixes=("", " from flat")
     )
-    table["ratio"] = table["total from flat"] / table["total"]
-    return "The same from the shape on a coarse mesh, which is in the total\n" + _text(table)
+    both["ratio"] = both["total from flat"] / both["total"]
+    title = "By default: fine meshes start from the shape on a coarse one, which is in the total"
+    return f"{title}\n" + _text(both)
 
 
 def _reported(found: dict[str, Any]) -> dict[str, Any]:
