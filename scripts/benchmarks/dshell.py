@@ -81,12 +81,12 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
         pd.concat([rows["triangles"], shares], axis=1), "{:.0f}"
     )
     yield from _growth(rows, "from flat")
-    fine = [size for size in sizes if size > GAIN * COARSE]
-    if fine:
-        started = _measured([Release(size, coarse_triangles=COARSE) for size in fine])
+    fine = rows["triangles"] > GAIN * COARSE
+    if fine.any():
+        asked = np.array(sizes)[fine]
+        started = _measured([Release(int(size), coarse_triangles=COARSE) for size in asked])
         yield _beside_flat(started, rows)
-        coarse = rows[[size not in fine for size in sizes]]
-        yield from _growth(pd.concat([coarse, started]), "by default")
+        yield from _growth(pd.concat([rows[~fine], started]), "by default")
 
 
 def _measured(releases: list[Release]) -> pd.DataFrame:
