@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from bilayer.solvers import solve
 from bilayer.specimen_file import template
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
@@ -46,7 +45,7 @@ def main() -> int:
 
 
 def measure(scratch: Path, solver: str, count: int) -> None:
-    """Compute tiny cases in this process; print CPU time beside the solver's, and memory."""
+    """Compute tiny cases in this process; print the time beside the solver's, and memory."""
     (scratch / "specimen.toml").write_text(template(), encoding="utf-8")
     (scratch / "study.toml").write_text(
         STUDY.format(solver=solver, settings=SETTINGS[solver], count=count), encoding="utf-8"
@@ -64,25 +63,24 @@ def measure(scratch: Path, solver: str, count: int) -> None:
         if number % every == 0:
             memory.append(process.memory_info().rss / 2**20)
             print(f"{number:5d} cases: {memory[-1]:.1f} MiB", flush=True)
-    indexed, _ = _timed(partial(write_index, folder))
-    sample = plan.cases[::every]
-    solved = sum(_timed(partial(solve, c.specimen, c.solver, c.settings))[0] for c in sample)
+    indexed, index = _timed(partial(write_index, folder))
+    solved = index["case_seconds"].sum()
     costs = {
-        "solver": solved / len(sample),
-        "beside it": spent / count - solved / len(sample),
+        "solver": solved / count,
+        "beside it": (spent - solved) / count,
         "plan": planned / count,
         "index": indexed / count,
     }
     words = ", ".join(f"{name} {1e3 * cost:.1f} ms" for name, cost in costs.items())
-    print(f"CPU time per case: {words}")
+    print(f"time per case: {words}")
     slope = np.polyfit(np.arange(len(memory)), memory, 1)[0] / every
     print(f"memory grows by {1024 * slope:.2f} KiB per case")
 
 
 def _timed(action):
-    start = time.process_time()
+    start = time.perf_counter()
     outcome = action()
-    return time.process_time() - start, outcome
+    return time.perf_counter() - start, outcome
 
 
 if __name__ == "__main__":
