@@ -16,10 +16,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
 from bilayer.errors import ComputationError
 from dshell.assembly import Assembly, Energy, deform
+from dshell.linear_solver import LinearSolver, SingularMatrixError, best_linear_solver
 
 Array = NDArray[np.float64]
 
@@ -180,11 +180,11 @@ def implicit_euler(body: MovingBody, start: Motion, stepping: Stepping) -> Itera
     ConvergenceError
         A step did not converge; the last state yielded is the last good one.
     """
-    assembly = body.assembly()
+    assembly, linear = body.assembly(), best_linear_solver()
     motion = start
     for step in range(1, stepping.steps + 1):
         time = start.time + step * stepping.time_step
-        motion = _step(body, assembly, motion, time, stepping.time_step, stepping.rule)
+        motion = _step(body, assembly, linear, motion, time, stepping.time_step, stepping.rule)
         yield motion
 
 
@@ -210,7 +210,7 @@ def adaptive_euler(body: MovingBody, start: Motion, stepping: AdaptiveStepping) 
     ConvergenceError
         The shortest step did not converge; the last state yielded is the last good one.
     """
-    assembly = body.assembly()
+    assembly, linear = body.assembly(), best_linear_solver()
     motion, wish = start, stepping.first_step
     shortest = stepping.first_step / 2**stepping.HALVINGS
     tried = 0
@@ -219,7 +219,7 @@ def adaptive_euler(body: MovingBody, start: Motion, stepping: AdaptiveStepping) 
         h = left if wish >= left else min(wish, left / 2)  # no tiny step is left for the end
         time = stepping.end if h == left else motion.time + h
         try:
-            done = _step(body, assembly, motion, time, h, stepping.rule)
+            done = _step(body, assembly, linear, motion, time, h, stepping.rule)
         except ConvergenceError as stop:
             tried += stop.iterations
             if h / 2 < shortest:
@@ -235,7 +235,13 @@ def adaptive_euler(body: MovingBody, start: Motion, stepping: AdaptiveStepping) 
 
 
 def _step(
-    body: MovingBody, assembly: Assembly, old: Motion, time: float, h: float, rule: NewtonRule
+    body: MovingBody,
+    assembly: Assembly,
+    linear: LinearSolver,
+    old: Motion,
+    time: float,
+    h: float,
+    rule: NewtonRule,
 ) -> Motion:
     """Solve one time step of length h, from a guess of unchanged velocity."""
     free = assembly.free
@@ -257,14 +263,13 @@ def _step(
         if not np.isfinite(error) or iterations == rule.max_iterations:
             break
         jacobian = assembly.hessian(deformed, diagonal=inertia)
-        coordinates[free] -= _solved(jacobian, residual)
+        coordinates[free] -= _solved(linear, jacobian, residual)
     raise ConvergenceError(time, iterations, error, rule.tolerance)
 
 
-def _solved(matrix: csc_matrix, right_side: Array) -> Array:
+def _solved(linear: LinearSolver, matrix: csc_matrix, right_side: Array) -> Array:
     """Solve a symmetric system; NaN where the matrix is singular."""
     try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    except RuntimeError:  # SuperLU: the factor is exactly singular
+        return linear.factor(matrix).solve(right_side)
+    except SingularMatrixError:
         return np.full_like(right_side, np.nan)
-    return factors.solve(right_side)
