@@ -151,7 +151,8 @@ def _shape_variables(
         for entry, file in zip(entries, files, strict=True)
     ]
     dims = ("case", "prestretch", "node", "xyz")
-    return {"position": (dims, dask.array.stack(rows), attributes), **mesh.data_vars}
+    variables: dict[Any, Any] = dict(mesh.data_vars.items())
+    return {**variables, "position": (dims, dask.array.stack(rows), attributes)}
 
 
 def _read_position(
