@@ -1,8 +1,9 @@
 """A result computed again from what its own file holds, and whether the numbers agree.
 
 Specimen, settings and planar mesh come from the file, so that neither a changed default nor another
-version of gmsh counts. On one machine two serial runs agree to the last bit. A run that another
-result started begins as usual: the file does not hold that one.
+version of gmsh counts, but for the coarse mesh that a fine one of the shell starts from, which is
+drawn anew. On one machine two serial runs agree to the last bit. A run that another result started
+begins as usual: the file does not hold that one.
 """
 
 import shlex

@@ -69,7 +69,8 @@ def solve(
     mesh : PlanarMesh, optional
         The planar mesh to use; made from the specimen where left out.
     start : {"shell", "flat"} or Dataset, optional
-        "shell": the shapes of the accurate discrete shell lead the way. "flat": nothing does. A
+        "shell": the shapes of the accurate discrete shell lead the way. "flat": nothing does, but
+        that a fine mesh of the shell goes by a coarse one (its setting `coarse_triangles`). A
         result on the same mesh, from either solver: its shape starts the first milestone, and leads
         to the others that it has. The solver's own default where left out.
     comm : mpi4py.MPI.Comm, optional

@@ -21,7 +21,8 @@ LONGEST_WAY = 0.06
 
 FLAT = "flat"
 ANOTHER_RESULT = "another result: "
-"""How a result says what it was started from: flat, by another result, or by itself (the shell)."""
+"""How a result says what it was started from: flat (and how, on a fine mesh of the shell), by
+another result, or by itself (the shell)."""
 
 Stretch = tuple[float, float]
 

@@ -85,10 +85,6 @@ class Assembly:
         # SciPy would make 64-bit places shorter for every matrix
         self._rows, self._column_starts = rows.astype(np.intc), starts.astype(np.intc)
 
-    def energies(self, deformed: Sequence[Deformed]) -> list[float]:
-        """Return the total of each energy, J."""
-        return [float(part.energy().sum()) for part in deformed]
-
     def gradient(self, deformed: Sequence[Deformed]) -> Array:
         """Return the derivative of the energies by the whole state, N, shape (dofs,).
 
@@ -133,10 +129,15 @@ def deform(energies: Sequence[Energy], state: Array) -> list[Deformed]:
     return [term.at(flat[term.dofs]) for term in energies]
 
 
+def energy_sums(deformed: Sequence[Deformed]) -> list[float]:
+    """Return the sum over the elements of each energy, J."""
+    return [float(part.energy().sum()) for part in deformed]
+
+
 def total_energies(energies: Sequence[Energy], state: Array) -> dict[str, float]:
     """Return the total of each energy by its name, J."""
-    parts = zip(energies, deform(energies, state), strict=True)
-    return {term.name: float(part.energy().sum()) for term, part in parts}
+    sums = energy_sums(deform(energies, state))
+    return {term.name: total for term, total in zip(energies, sums, strict=True)}
 
 
 def coordinates_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -37,9 +37,9 @@ class MorleyModel:
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
         """Return the faces in blocks, the prestretch being (lambda_x, lambda_y)."""
-        faces, count = self._faces.made_of(self._laminate(stretch)), len(self._mesh.triangles)
-        starts = range(0, count, FACES_IN_A_BLOCK)
-        return [faces.part(slice(start, min(start + FACES_IN_A_BLOCK, count))) for start in starts]
+        faces = self._faces.made_of(self._laminate(stretch))
+        starts = range(0, len(self._mesh.triangles), FACES_IN_A_BLOCK)
+        return [faces.part(slice(start, start + FACES_IN_A_BLOCK)) for start in starts]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
         """Return how far the bond is above the substrate's mid-plane in the flat state, m."""

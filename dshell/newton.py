@@ -20,7 +20,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy, deform
+from dshell.assembly import Assembly, Energy, deform, energy_sums
 from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError, SingularMatrixError
 
 Array = NDArray[np.float64]
@@ -82,7 +82,7 @@ class Configuration:
         self._assembly = assembly
         with np.errstate(all="ignore"):  # a step too far may invert a fibre; it is then refused
             self._deformed = deform(body.energies, state)
-            self._energies = assembly.energies(self._deformed)
+            self._energies = energy_sums(self._deformed)
 
     @property
     def energy(self) -> float:
@@ -97,7 +97,9 @@ class Configuration:
     @cached_property
     def residual(self) -> Array:
         """Residual force on the free degrees of freedom, N."""
-        return (self._assembly.gradient(self._deformed) - self.body.load)[self._assembly.free]
+        with np.errstate(all="ignore"):
+            forces = self._assembly.gradient(self._deformed)
+        return (forces - self.body.load)[self._assembly.free]
 
     @cached_property
     def error(self) -> float:

@@ -23,6 +23,7 @@ from dshell.interface import bonded_interface
 from dshell.masses import lumped_masses
 from dshell.paper_rest_state import Ramp, rest_state
 from dshell.settings import PaperSettings
+from dshell.visit import Visit
 
 Array = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ def release_paper(
     settings: PaperSettings,
     start: Array | None,
     progress: Progress | None,
-) -> tuple[list[MilestoneState], str]:
+) -> Visit:
     """Run every milestone by itself, from flat.
 
     Parameters
@@ -67,10 +68,8 @@ def release_paper(
 
     Returns
     -------
-    states : list of MilestoneState
-        One per milestone.
-    stop_reason : str
-        Which of them stopped before their end, and why.
+    Visit
+        A state per milestone; which of them stopped before their end, and why.
 
     Raises
     ------
@@ -89,7 +88,7 @@ def release_paper(
         if not releases:
             raise
         reasons = [INTERRUPTED]
-    return [done.state for done in releases], "; ".join(reasons)
+    return Visit([done.state for done in releases], "; ".join(reasons))
 
 
 def release(

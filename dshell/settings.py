@@ -44,7 +44,6 @@ class ReleaseSettings:
     smallest_step: float = documented(
         0.01, "smallest load step that is tried over the way between two milestones"
     )
-
     coarse_triangles: int = documented(
         1500,
         "static: a mesh with more than 4 times as many triangles starts from the shape on a mesh "

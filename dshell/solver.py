@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from bilayer.errors import INTERRUPTED, InputError, Interrupted
 from bilayer.mesh_generation import mesh_within_memory
 from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import MilestoneState, build_result, result_mesh, starting_shape
+from bilayer.result import build_result, result_mesh, starting_shape
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from bilayer.starting import ANOTHER_RESULT, FLAT, described
+from bilayer.starting import FLAT, began, described
 from dshell.coarse_start import coarse_mesh, prolonged
 from dshell.dynamic_release import DynamicRelease
 from dshell.hinge_model import HingeModel
@@ -23,6 +23,7 @@ from dshell.morley_model import MorleyModel
 from dshell.paper_model import release_paper
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
 from dshell.static_release import ShellModel, StaticRelease, visit_milestones
+from dshell.visit import Visit
 
 Array = NDArray[np.float64]
 
@@ -40,7 +41,7 @@ MODELS = {"morley": MorleySettings, "hinge": HingeSettings, "paper": PaperSettin
 Settings = MorleySettings | HingeSettings | PaperSettings
 Release = Callable[
     [Specimen, PlanarMesh, Any, Array | None, Progress | None],
-    tuple[list[MilestoneState], str],
+    Visit,
 ]
 
 
@@ -55,7 +56,7 @@ def _release(
     settings: ReleaseSettings,
     start: Array | None,
     progress: Progress | None,
-) -> tuple[list[MilestoneState], str]:
+) -> Visit:
     path = METHODS[settings.method](specimen, mesh, model, settings, best_linear_solver())
     return visit_milestones(specimen, path, start, progress)
 
@@ -66,7 +67,7 @@ def _release_morley(
     settings: MorleySettings,
     start: Array | None,
     progress: Progress | None,
-) -> tuple[list[MilestoneState], str]:
+) -> Visit:
     model = MorleyModel(specimen, mesh, settings)
     return _release(specimen, mesh, model, settings, start, progress)
 
@@ -77,7 +78,7 @@ def _release_hinge(
     settings: HingeSettings,
     start: Array | None,
     progress: Progress | None,
-) -> tuple[list[MilestoneState], str]:
+) -> Visit:
     model = HingeModel(specimen, mesh)
     return _release(specimen, mesh, model, settings, start, progress)
 
@@ -132,45 +133,57 @@ def solve(
     chosen = MorleySettings() if settings is None else settings
     model = _model_of(chosen)
     mesh = mesh_within_memory(specimen, mesh, BYTES_PER_TRIANGLE, "the discrete shell")
-    shape, began = _beginning(specimen, mesh, chosen, start)
-    states, stop_reason = _RELEASES[model](specimen, mesh, chosen, shape, progress)
+    shape, beginning = _beginning(specimen, mesh, chosen, start, progress)
+    visit = _RELEASES[model](specimen, mesh, chosen, shape, progress)
     result = build_result(
         specimen,
         mesh,
-        states,
+        visit.states,
         solver="dshell",
         model=model,
         settings=chosen,
         versions={"scipy": scipy.__version__},
-        stop_reason=stop_reason,
+        stop_reason=visit.stop_reason,
     )
-    result.attrs["start"] = began
-    if stop_reason == INTERRUPTED:
+    lost = f"{FLAT}, because what was to start it led nowhere: {beginning}"
+    result.attrs["start"] = lost if visit.lost_start else beginning
+    if visit.stop_reason == INTERRUPTED:
         raise Interrupted(result)
     return result
 
 
 def _beginning(
-    specimen: Specimen, mesh: PlanarMesh, settings: Settings, start: xr.Dataset | None
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    settings: Settings,
+    start: xr.Dataset | None,
+    progress: Progress | None,
 ) -> tuple[Array | None, str]:
     """Return the shape that the first milestone starts from, None for flat, and what it is."""
     first = specimen.prestretch.milestones[0]
     if start is not None:
-        return starting_shape(start, mesh, max(first)), ANOTHER_RESULT + described(start)
-    coarse = _coarse_result(specimen.with_milestones([first]), mesh, settings)
-    if coarse is None or not coarse["converged"].all():
+        return starting_shape(start, mesh, max(first)), began(start)
+    coarse = _coarse_result(specimen.with_milestones([first]), mesh, settings, progress)
+    if coarse is None:
         return None, FLAT
-    shape = coarse["position"].values[0]
-    words = f"{FLAT}, on a coarse mesh first: {described(coarse)}"
-    return prolonged(shape, result_mesh(coarse), mesh), words
+    if not coarse["converged"].all():
+        return None, f"{FLAT}, because on a coarse mesh it {coarse.attrs['stop_reason']}"
+    shape = prolonged(coarse["position"].values[0], result_mesh(coarse), mesh)
+    return shape, f"{FLAT}, on a coarse mesh first: {described(coarse)}"
 
 
-def _coarse_result(specimen: Specimen, mesh: PlanarMesh, settings: Settings) -> xr.Dataset | None:
+def _coarse_result(
+    specimen: Specimen, mesh: PlanarMesh, settings: Settings, progress: Progress | None
+) -> xr.Dataset | None:
     """Return the result on a coarse mesh where the mesh is fine and the settings ask for it."""
     if not isinstance(settings, ReleaseSettings) or settings.method != "static":
         return None
     coarse = coarse_mesh(specimen, mesh, settings.coarse_triangles)
-    return None if coarse is None else solve(specimen, settings, mesh=coarse)
+    if coarse is None:
+        return None
+    if progress is not None:
+        progress(0.0, f"a coarse mesh of {len(coarse.triangles)} triangles first")
+    return solve(specimen, settings, mesh=coarse)
 
 
 def _model_of(settings: Any) -> str:

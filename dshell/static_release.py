@@ -1,9 +1,10 @@
 """Release without time: the equilibria of a shell at its milestones, each from the one before.
 
-A milestone is tried in one step from the last equilibrium, the first one from flat: the prestretch
-grows over the first iterations and Newton's method goes on from there. Where it fails, the
-prestretch goes there in smaller steps. An equilibrium with unstable modes is left along one of
-them (`dshell.branches`), so no imperfection is needed; a bilayer bends by itself.
+A milestone is tried in one step from the last equilibrium, the first one from flat or from a shape
+that is given: the prestretch grows over the first iterations and Newton's method goes on from
+there. Where it fails, the prestretch goes there in smaller steps. An equilibrium with unstable
+modes is left along one of them (`dshell.branches`), so no imperfection is needed; a bilayer bends
+by itself.
 """
 
 import math
@@ -30,6 +31,7 @@ from dshell.masses import lumped_masses
 from dshell.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
 from dshell.rigid_motion import held_coordinates, support
 from dshell.settings import ReleaseSettings
+from dshell.visit import Visit
 
 Array = NDArray[np.float64]
 Stretch = tuple[float, float]
@@ -37,6 +39,8 @@ Stretch = tuple[float, float]
 UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
+START_ITERATIONS = 50
+"""Of Newton's method from a shape that is given; one that needs more leads nowhere."""
 ESCAPE = 0.1
 """How far it is left along its unstable mode, over the substrate's thickness."""
 
@@ -122,14 +126,18 @@ class StaticRelease:
         points = np.column_stack([self._mesh.points, np.zeros(len(self._mesh.points))])
         return Equilibrium(stretch, self._state_of(points))
 
-    def started(self, bond: Array, stretch: Stretch) -> Equilibrium:
-        """Return the equilibrium near a bonded interface at a prestretch, or the flat state."""
+    def started(self, bond: Array, stretch: Stretch) -> Equilibrium | None:
+        """Return the equilibrium near a bonded interface at a prestretch, if it is soon found."""
         mesh, depth = self._mesh, -self._model.bond_height(stretch)
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
         upright = placed(surface, mesh.points, self._held)
         guess = Equilibrium(stretch, self._state_of(upright))
-        found = self._equilibrium(guess, stretch)
-        return found if isinstance(found, Equilibrium) else self.flat()
+        try:
+            few = min(START_ITERATIONS, self._settings.max_iterations)
+            found = self._equilibrium(guess, stretch, few)
+        except ComputationError:
+            return None
+        return found if isinstance(found, Equilibrium) else None
 
     def _state_of(self, nodes: Array) -> Array:
         """Return the state of nodes at (n, 3), m, with every other degree of freedom 0."""
@@ -178,7 +186,7 @@ class StaticRelease:
         while share < 1:
             end = min(1.0, share + step)
             stretch = between(start.stretch, target, end)
-            found = self._equilibrium(here, stretch)
+            found = self._equilibrium(here, stretch, self._settings.max_iterations)
             if isinstance(found, Equilibrium):
                 share, here = end, found
                 yield here
@@ -214,12 +222,14 @@ class StaticRelease:
             return here.unstable_modes
         return self._solver.unstable_modes(self._body(here.stretch), here.state)
 
-    def _equilibrium(self, here: Equilibrium, stretch: Stretch) -> Equilibrium | Outcome:
+    def _equilibrium(
+        self, here: Equilibrium, stretch: Stretch, iterations: int
+    ) -> Equilibrium | Outcome:
         """Settle at a prestretch; return the outcome as it is where that fails."""
         body = self._body(stretch)
         scale = self._force_scale(body, stretch)
         tolerance = self._settings.tolerance * scale
-        limits = NewtonLimits(tolerance, self._settings.max_iterations, self._longest_step)
+        limits = NewtonLimits(tolerance, iterations, self._longest_step)
         bodies = self._ramp(here.stretch, body, stretch)
         found = self._branch.land(bodies, here.state, here.unstable_modes, limits)
         outcome = found.outcome
@@ -253,7 +263,7 @@ def visit_milestones(
     path: StaticRelease,
     start: Array | None,
     progress: Progress | None,
-) -> tuple[list[MilestoneState], str]:
+) -> Visit:
     """Visit the milestones of a specimen in their order.
 
     Parameters
@@ -266,17 +276,12 @@ def visit_milestones(
         Bonded interface that starts the first milestone, m; None: flat.
     progress : callable or None
         See `bilayer.solvers.Progress`.
-
-    Returns
-    -------
-    states : list of MilestoneState
-        Of the milestones reached and, last, of the one where the path stopped.
-    stop_reason : str
-        Why it stopped, or an empty text.
     """
     milestones = specimen.prestretch.milestones
     begun = time.perf_counter()
-    here = path.flat() if start is None else path.started(start, milestones[0])
+    begin = None if start is None else path.started(start, milestones[0])
+    lost_start = begin is None and start is not None
+    here = begin or path.flat()
     states: list[MilestoneState] = []
     for index, stretch in enumerate(milestones):
         failure = ""
@@ -289,13 +294,13 @@ def visit_milestones(
         except KeyboardInterrupt:
             if not states:
                 raise
-            return states, INTERRUPTED
+            return Visit(states, INTERRUPTED, lost_start)
         now = time.perf_counter()
         states.append(path.milestone_state(here, not failure, now - begun))
         begun = now
         if failure:
-            return states, failure
-    return states, ""
+            return Visit(states, failure, lost_start)
+    return Visit(states, "", lost_start)
 
 
 def _report(progress: Progress | None, share: float, here: Equilibrium) -> None:

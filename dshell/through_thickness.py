@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from dshell.plane_stress import PlaneStressLaw
 
 Array = NDArray[np.float64]
@@ -66,6 +67,8 @@ class ShellLayer:
         middle, half = (self.top + self.bottom) / 2, (self.top - self.bottom) / 2
         object.__setattr__(self, "heights", middle + half * at)
         object.__setattr__(self, "weights", half * weight)
+        if self.faces is not None and np.any(np.diff(self.faces) <= 0):
+            raise InputError(f"faces of the layer {self.name}: expected in ascending order")
         S = np.asarray(self.prestretch, dtype=float)
         object.__setattr__(self, "prestretch", S if S.ndim == 3 else S[:, :, None])
 

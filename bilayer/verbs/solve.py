@@ -37,7 +37,8 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--start", metavar="START",
         help="what leads the way: 'shell' (the accurate discrete shell; the default of fenics), "
-        "'flat' (nothing: load stepping alone), or a result FILE.nc on the same mesh",
+        "'flat' (nothing: load stepping alone; for a fine mesh of the shell see "
+        "solver.coarse_triangles), or a result FILE.nc on the same mesh",
     )  # fmt: skip
     verb.late_epilog = _describe_settings
 

@@ -99,7 +99,6 @@ def _growth(rows: pd.DataFrame, start: str) -> Iterator[str]:
     if len(few) > 1:
         sections = ["meshing", *SECTIONS, "rest", "total"]
         exponents = {name: _exponent(few, few[name]) for name in sections}
-        exponents["total per iteration"] = _exponent(few, few["total"] / few["iterations"])
         title = f"Growth up to {few['triangles'].max()} triangles, {start}: CPU ~ triangles^p"
         yield f"{title}\n" + _text(pd.DataFrame([exponents]), "{:.2f}")
 

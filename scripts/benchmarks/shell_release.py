@@ -22,8 +22,8 @@ SECTIONS = {
         (Assembly, "gradient"),
         (Assembly, "hessian"),
         (Assembly, "convex_hessian"),
-        (Assembly, "energies"),
         (newton, "deform"),
+        (newton, "energy_sums"),
     ],
     "factorisation": [
         (kind, name)

@@ -9,6 +9,7 @@ from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.errors import ComputationError
 from dshell import HingeSettings, MorleySettings, coarse_start, solver
 from dshell.coarse_start import coarse_mesh, prolonged
+from dshell.static_release import StaticRelease
 
 COARSE = 120
 KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])
@@ -53,6 +54,7 @@ def test_a_start_that_leads_nowhere_is_left_for_flat(fine_specimen, fine_mesh, m
     result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
     flat = solve(fine_specimen, "dshell", MorleySettings(coarse_triangles=0), mesh=fine_mesh)
     assert result.converged.all()
+    assert result.attrs["start"].startswith("flat, because what was to start it led nowhere: flat,")
     assert result.height.values == pytest.approx(flat.height.values, rel=1e-6)
 
 
@@ -67,6 +69,39 @@ def test_a_coarse_one_is_drawn_for_a_fine_one_alone(fine_specimen, fine_mesh, mo
 
     monkeypatch.setattr(coarse_start, "generate_mesh", fails)
     assert coarse_mesh(fine_specimen, fine_mesh, COARSE) is None
+
+
+def turned(mesh, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return replace(mesh, points=mesh.points @ np.array([[c, s], [-s, c]]))
+
+
+@pytest.mark.parametrize("angle", [0.0, 2 * np.pi / 5])
+def test_a_mesh_turned_into_itself_has_the_same_cut(fine_specimen, fine_mesh, angle):
+    assert coarse_mesh(fine_specimen, turned(fine_mesh, angle), COARSE) is not None
+
+
+def test_a_mesh_with_another_cut_starts_from_flat(fine_specimen, fine_mesh):
+    """Its coarse mesh would have the specimen's cut, and so another shape."""
+    uncut = replace(fine_specimen, cut=None)
+    assert coarse_mesh(fine_specimen, turned(fine_mesh, np.pi / 5), COARSE) is None
+    assert coarse_mesh(uncut, fine_mesh, COARSE) is None
+    result = solve(uncut, "dshell", MorleySettings(coarse_triangles=COARSE), mesh=fine_mesh)
+    assert result.attrs["start"] == "flat"
+
+
+def test_a_coarse_mesh_without_an_equilibrium_is_told(fine_specimen, fine_mesh, monkeypatch):
+    class Stopped(StaticRelease):
+        def approach(self, start, target):
+            if len(self._mesh.triangles) < len(fine_mesh.triangles):
+                raise ComputationError("lost")
+            yield from super().approach(start, target)
+
+    monkeypatch.setitem(solver.METHODS, "static", Stopped)
+    settings = MorleySettings(coarse_triangles=COARSE)
+    result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+    assert result.converged.all()
+    assert result.attrs["start"].startswith("flat, because on a coarse mesh it stopped at prestr")
 
 
 def test_a_flat_disc_is_prolonged_exactly(coarse_mesh, fine_mesh):

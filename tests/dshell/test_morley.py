@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from verification.derivatives import derivative
 
-from bilayer import paper_specimen
+from bilayer import InputError, paper_specimen
 from dshell.assembly import Assembly, deform
 from dshell.morley import MorleyFaces
 from dshell.morley_model import specimen_layers
@@ -59,6 +59,34 @@ def test_hessian_is_the_derivative_of_the_gradient(faces, state):
     expected = derivative(lambda x: faces.at(x).gradient(), values, 1e-3)
     assert np.abs(hessian - expected).max() < 1e-7 * np.abs(hessian).max()
     assert np.allclose(hessian, hessian.transpose(0, 2, 1), atol=1e-10 * np.abs(hessian).max())
+
+
+@pytest.mark.parametrize("size", [1, 7, 50])
+def test_blocks_of_faces_are_the_faces(faces, state, size):
+    """Some blocks have no kirigami; the prestretch differs from face to face."""
+    rng = np.random.default_rng(3)
+    substrate, kirigami = faces.laminate.layers
+    stretched = 1.1 * np.eye(2)[:, :, None] + 0.02 * rng.uniform(size=(1, 1, len(faces.dofs)))
+    on_top = 1 + 0.05 * np.eye(2)[:, :, None] * rng.uniform(size=(1, 1, len(kirigami.faces)))
+    layers = [
+        replace(substrate, prestretch=stretched),
+        replace(kirigami, prestretch=on_top * np.eye(2)[:, :, None]),
+    ]
+    whole = faces.made_of(replace(faces.laminate, layers=layers))
+    starts = range(0, len(faces.dofs), size)
+    parts = [whole.part(slice(start, start + size)) for start in starts]
+    expected = whole.at(state[whole.dofs])
+    found = [part.at(state[part.dofs]) for part in parts]
+    for name in ("energy", "gradient", "hessian", "convex_hessian"):
+        values = getattr(expected, name)()
+        joined = np.concatenate([getattr(part, name)() for part in found])
+        assert np.abs(joined - values).max() < 1e-11 * np.abs(values).max(), name
+
+
+def test_faces_of_a_layer_out_of_order_are_refused(faces):
+    kirigami = faces.laminate.layers[1]
+    with pytest.raises(InputError, match="faces of the layer kirigami: expected in ascending"):
+        replace(kirigami, faces=kirigami.faces[::-1])
 
 
 def test_convex_hessian_has_no_negative_eigenvalue(faces, state):

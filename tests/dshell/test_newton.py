@@ -91,7 +91,7 @@ def test_an_unstable_equilibrium_is_left(coarse_specimen, coarse_mesh, branch, i
     path = static_release.StaticRelease(
         specimen, coarse_mesh, GrownMiddle(coarse_mesh), settings, best_linear_solver()
     )
-    states, reason = static_release.visit_milestones(specimen, path, None, None)
+    states, reason, _ = static_release.visit_milestones(specimen, path, None, None)
     assert reason == ""
     assert [state.unstable_modes == 0 for state in states] == [is_stable, is_stable]
     assert (np.ptp(states[1].position[:, 2]) > 1e-3) == is_stable
@@ -111,5 +111,5 @@ def test_an_equilibrium_counts_its_unstable_modes_once(coarse_specimen, coarse_m
         specimen, coarse_mesh, HingeModel(specimen, coarse_mesh), HingeSettings(),
         best_linear_solver(),
     )  # fmt: skip
-    states, _ = static_release.visit_milestones(specimen, path, None, None)
+    states, *_ = static_release.visit_milestones(specimen, path, None, None)
     assert [state.unstable_modes for state in states] == counted
