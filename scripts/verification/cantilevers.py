@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
 
 from bilayer import LinearElastic
 from dshell.assembly import coordinates_of
@@ -118,21 +119,34 @@ def sheared_strip(shares: Sequence[float], cells: int = 40) -> Iterator[Array]:
         yield strip.middle(state)[-1] - [length, 0.0, 0.0]
 
 
-def lifted_ring(radial: int) -> tuple[float, float]:
+def lifted_rings(meshes: Sequence[int]) -> Iterator[tuple[float, float]]:
     """Rise of the inner and the outer end of the free lip (Sze, Liu, Lo 2004, section 3.3).
 
-    `radial` triangles' sides across the ring, ten times as many around it. The load comes at once:
-    the ring is so thin that Newton's method needs about 200 iterations, in smaller steps more.
+    Each mesh has so many cells across the ring and ten times as many around it. The load comes at
+    once: the ring is so thin that Newton's method needs about 160 iterations, in smaller steps
+    more. A finer mesh starts from the shape of the one before; from flat it may lose its way.
     """
     inner, outer, thickness, young, load_per_length = 6.0, 10.0, 0.03, 21e6, 0.8
-    around = 10 * radial
-    angles = 2 * np.pi / around * np.arange(-1, around + 1)  # the first row is the clamp
-    mesh = slit_ring(inner, outer, radial, angles)
-    row = np.arange(radial + 1)
-    fixed, lip = np.concatenate([row, row + radial + 1]), row + (around + 1) * (radial + 1)
-    layers = [single_layer(young, 0.0, thickness), clamp_layer(mesh, fixed, young, thickness)]
-    faces, flat = plate(mesh, layers)
-    load = line_load(mesh, len(flat), lip, load_per_length)
-    problem = Problem(faces, flat, coordinates_of(fixed).reshape(-1), load)
-    rise = nodes_of(problem.solved(1e-6, inner / 6, iterations=300), mesh)[lip, 2]
-    return float(rise[0]), float(rise[-1])
+    before: RegularGridInterpolator | None = None  # positions over angle and radius
+    for radial in meshes:
+        around = 10 * radial
+        angles = 2 * np.pi / around * np.arange(-1, around + 1)  # the first row is the clamp
+        radii = np.linspace(inner, outer, radial + 1)
+        mesh = slit_ring(inner, outer, radial, angles)
+        row = np.arange(radial + 1)
+        fixed, lip = np.concatenate([row, row + radial + 1]), row + (around + 1) * (radial + 1)
+        layers = [single_layer(young, 0.0, thickness), clamp_layer(mesh, fixed, young, thickness)]
+        faces, flat = plate(mesh, layers)
+        load = line_load(mesh, len(flat), lip, load_per_length)
+        start = flat.copy()
+        if before is not None:
+            nodes = before(tuple(np.meshgrid(angles, radii, indexing="ij"))).reshape(-1, 3)
+            nodes[fixed] = nodes_of(flat, mesh)[fixed]
+            start[: nodes.size] = nodes.reshape(-1)
+        problem = Problem(faces, flat, coordinates_of(fixed).reshape(-1), load)
+        found = nodes_of(problem.solved(1e-6, inner / 6, start, iterations=300), mesh)
+        before = RegularGridInterpolator(
+            (angles, radii), found.reshape(len(angles), len(radii), 3), "cubic"
+        )
+        rise = found[lip, 2]
+        yield float(rise[0]), float(rise[-1])

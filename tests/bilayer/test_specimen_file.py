@@ -3,7 +3,7 @@
 import tomllib
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bilayer import (
@@ -57,6 +57,7 @@ def specimens(draw):
     )  # fmt: skip
 
 
+@settings(suppress_health_check=[HealthCheck.too_slow], deadline=None)  # on a busy machine
 @given(specimens())
 def test_what_is_written_reads_back_the_same(specimen):
     assert parse_specimen(specimen_to_toml(specimen)) == specimen
