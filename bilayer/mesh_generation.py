@@ -26,6 +26,11 @@ TRIANGLES_PER_AREA = 1.2 * 4 / math.sqrt(3)
 """Times the square of the mesh size: 1.2 (measured) times as many as equilateral ones."""
 
 
+def size_for(triangles: int, radius: float) -> float:
+    """Return the mesh size that gives a disc about so many triangles, m."""
+    return radius * math.sqrt(math.pi * TRIANGLES_PER_AREA / triangles)
+
+
 def estimated_triangles(specimen: Specimen) -> float:
     """Return the number of triangles to expect.
 

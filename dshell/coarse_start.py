@@ -4,16 +4,14 @@ From flat, a fine mesh takes as many Newton iterations as a coarse one, each at 
 its stiffness is indefinite on most of the way. From the coarse mesh's shape it takes a few.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CloughTocher2DInterpolator
 from scipy.spatial import ConvexHull, cKDTree
 
 from bilayer.errors import BilayerError
-from bilayer.mesh_generation import TRIANGLES_PER_AREA, generate_mesh
+from bilayer.mesh_generation import generate_mesh, size_for
 from bilayer.planar_mesh import PlanarMesh
 from bilayer.specimen import MeshSize, Specimen
 
@@ -47,9 +45,9 @@ def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarM
     """
     if triangles == 0 or len(mesh.triangles) <= GAIN * triangles:
         return None
-    size = specimen.outer_radius * math.sqrt(math.pi * TRIANGLES_PER_AREA / triangles)
+    size = MeshSize(size_for(triangles, specimen.outer_radius))
     try:
-        coarse = generate_mesh(replace(specimen, mesh=MeshSize(size)))
+        coarse = generate_mesh(replace(specimen, mesh=size))
     except BilayerError:  # gmsh is not there, or it cannot draw strips so coarsely
         return None
     if len(mesh.triangles) <= GAIN / 2 * len(coarse.triangles):
@@ -83,6 +81,8 @@ def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
     (m, 3) array of float
         Positions of the fine mesh's nodes, m.
     """
+    from scipy.interpolate import CloughTocher2DInterpolator  # seldom needed, slow to load
+
     inside = -ConvexHull(coarse.points).equations[:, 2].max()  # the nearest side's distance
     share = (1 - 1e-9) * inside / np.linalg.norm(fine.points, axis=1).max()
     surface: Array = CloughTocher2DInterpolator(coarse.points, shape)(share * fine.points)

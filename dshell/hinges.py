@@ -139,9 +139,8 @@ class Fold:
         """Return rows L and R of which S[L^T R] is the second derivative, each (4, 3, 4, ...)."""
         left, right = np.zeros((2, 4, *self.gradient.shape))
         for side in range(2):
-            normal, inward, weights = (
-                self._normal[:, side], self._inward[:, side], self._weights[:, side],
-            )  # fmt: skip
+            normal, inward = self._normal[:, side], self._inward[:, side]
+            weights = self._weights[:, side]
             left[side] = normal[:, None] * weights
             right[side] = inward[:, None] * weights
             add_at_ends(left[2 + side], normal)

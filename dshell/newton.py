@@ -82,9 +82,8 @@ class Configuration:
         self._assembly = assembly
         with np.errstate(all="ignore"):  # a step too far may invert a fibre; it is then refused
             self._deformed = deform(body.energies, state)
-            self._energies = energy_sums(self._deformed)
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """Potential energy, J."""
         return float(sum(self._energies)) - float(self.body.load @ self.state)
@@ -93,6 +92,11 @@ class Configuration:
     def energy_scale(self) -> float:
         """Size of what adds up to the energy, J."""
         return float(sum(map(abs, self._energies))) + abs(float(self.body.load @ self.state))
+
+    @cached_property
+    def _energies(self) -> list[float]:
+        with np.errstate(all="ignore"):
+            return energy_sums(self._deformed)
 
     @cached_property
     def residual(self) -> Array:

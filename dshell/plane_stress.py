@@ -11,7 +11,7 @@ The stretch of the thickness, sqrt(C33), is eliminated: the energy is least in i
 """
 
 from dataclasses import dataclass
-from functools import singledispatch
+from functools import cached_property, singledispatch
 from typing import Protocol
 
 import numpy as np
@@ -104,15 +104,15 @@ class _MooneyRivlinState:
 
     def stress(self) -> Array:
         """See `PlaneStressState`."""
-        W_T, W_D = self._first()
-        T_e, D_e = self._invariant_slopes()
+        W_T, W_D = self._first
+        T_e, D_e = self._invariant_slopes
         return W_T * T_e + W_D * D_e
 
     def tangent(self) -> Array:
         """See `PlaneStressState`."""
-        _, W_D = self._first()
+        _, W_D = self._first
         W_TT, W_TD, W_DD = self._second()
-        T_e, D_e = self._invariant_slopes()
+        T_e, D_e = self._invariant_slopes
         tangent = T_e[:, None] * (W_TT * T_e + W_TD * D_e)
         tangent += D_e[:, None] * (W_TD * T_e + W_DD * D_e)
         twice = 2 * self._squared[3] * W_D  # D's own second derivative
@@ -121,14 +121,15 @@ class _MooneyRivlinState:
         tangent[2, 2] -= twice
         return tangent
 
+    @cached_property
     def _invariant_slopes(self) -> tuple[Array, Array]:
         """Return the derivatives of T and D by the strain."""
         xx, yy, xy, area2 = self._squared
         a, b, g = self._doubled
-        return 2 * np.stack(np.broadcast_arrays(xx, yy, xy, a)[:3]), 2 * area2 * np.stack(
-            [b, a, -g]
-        )
+        T_e = np.stack(np.broadcast_arrays(xx, yy, xy, a)[:3])
+        return 2 * T_e, 2 * area2 * np.stack([b, a, -g])
 
+    @cached_property
     def _first(self) -> tuple[Array, Array]:
         """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""
         a, b, per_D = self._law.c10, self._law.c01, self._per_D
@@ -207,8 +208,8 @@ class PlaneLinear:
     def at(self, strain: Array, prestretch: Array) -> "_LinearState":
         """See `PlaneStressLaw`."""
         S = prestretch
-        initial = np.stack([S[0, 0] - 1, S[1, 1] - 1, S[0, 1] + S[1, 0]])
-        whole = strain + initial.reshape(3, *[1] * (strain.ndim - initial.ndim), *initial.shape[1:])
+        initial = (S[0, 0] - 1, S[1, 1] - 1, S[0, 1] + S[1, 0])
+        whole = np.stack([given + own for given, own in zip(strain, initial, strict=True)])
         return _LinearState(self.stiffness, whole)
 
 

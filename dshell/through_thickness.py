@@ -8,6 +8,7 @@ it; Gauss points through each layer, which need not contain the reference surfac
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,7 +183,7 @@ class _BentLayer:
 
     def resultants(self) -> Array:
         """Return its derivative by s, shape (6, k)."""
-        zeroth, first, second = self._moments(self._material.stress(), 2)
+        zeroth, first, second = self._stress_moments
         moments = first - self._half * (second[0] + second[1]) * self._det_slope
         return np.concatenate([zeroth, moments])
 
@@ -195,13 +196,17 @@ class _BentLayer:
         crossed = (third[:, 0] + third[:, 1])[:, None] * slope
         bending = second - crossed - crossed.transpose(1, 0, 2)
         bending += both * slope[:, None] * slope
-        pull = self._half * self._moments(self._material.stress(), 2)[2][:2].sum(axis=0)
+        pull = self._half * self._stress_moments[2, :2].sum(axis=0)
         bending[0, 1] -= pull
         bending[1, 0] -= pull
         bending[2, 2] += 0.5 * pull
         upper = np.concatenate([zeroth, mixed], axis=1)
         lower = np.concatenate([mixed.transpose(1, 0, 2), bending], axis=1)
         return np.concatenate([upper, lower])
+
+    @cached_property
+    def _stress_moments(self) -> Array:
+        return self._moments(self._material.stress(), 2)
 
     def _moments(self, density: Array, highest: int) -> Array:
         """Return the integrals of z^0, z^1, ... times a density (..., q, k), in a first axis."""

@@ -22,12 +22,7 @@ from bilayer.planar_mesh import PlanarMesh
 from bilayer.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.solvers import Progress
 from bilayer.specimen import Specimen
-from bilayer.starting import (
-    ShapeOnTheWay,
-    began,
-    described,
-    shapes_on_the_way,
-)
+from bilayer.starting import ShapeOnTheWay, began, described, shapes_on_the_way
 from bilayer.support import support
 from fenics_model import BYTES_PER_TRIANGLE, MODELS
 from fenics_model.bilayer_solid import (

@@ -3,7 +3,6 @@
 Measured in a process of its own, whose peak memory is then the release's.
 """
 
-import math
 import multiprocessing
 import resource
 import time
@@ -13,6 +12,7 @@ from typing import Any
 
 from benchmarks.sections import cpu_by_section
 from bilayer import CutPattern, MeshSize, Specimen, generate_mesh, paper_specimen
+from bilayer.mesh_generation import size_for
 from dshell import MorleySettings, linear_solver, morley, newton, solve, solver
 from dshell.assembly import Assembly
 
@@ -50,7 +50,7 @@ class Release:
     def specimen(self) -> Specimen:
         """Return the specimen, its mesh about as fine as asked for."""
         whole = paper_specimen().with_milestones([self.prestretch])
-        size = whole.outer_radius * math.sqrt(1.2 * 4 / math.sqrt(3) * math.pi / self.triangles)
+        size = size_for(self.triangles, whole.outer_radius)
         cut = whole.cut
         assert isinstance(cut, CutPattern)
         return replace(whole, mesh=MeshSize(size), cut=replace(cut, strips=self.strips))
