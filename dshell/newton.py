@@ -6,8 +6,8 @@ until the energy falls enough (Armijo).
 
 A thin shell bends easily and stretches hardly, so a straight step that turns it also stretches it,
 and the line search would allow only short ones (the Maratos effect). Corrections with the same
-factor, shortened where in full they would raise the energy, take that stretch away again before the
-energy is judged: they cost no factorisation.
+factor, which learns from each of them, take that stretch away again before the energy is judged:
+they cost no factorisation. Where in full they would raise the energy they are shortened.
 """
 
 from collections.abc import Sequence
@@ -22,6 +22,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from bilayer.errors import ComputationError
 from dshell.assembly import Assembly, Energy, deform, energy_sums
 from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError, SingularMatrixError
+from dshell.secant_inverse import SecantInverse
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ MODE_TOLERANCE = 1e-4
 MODE_RESTARTS = 3
 """Of ARPACK, twenty solutions each, for modes that mend a stiffness: those worth it, nearly 0,
 stand apart and take no more; others took thousands of solutions on a fine mesh."""
-CORRECTIONS = 4
+CORRECTIONS = 6
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
 """Of a correction, tried in this order until the energy falls."""
@@ -279,15 +280,18 @@ class EquilibriumSolver:
         self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
     ) -> Configuration:
         """Return what comes after a step and those corrections that lower the energy."""
+        free = self.assembly.free
         there = self.placed(here.body, here.state + step)
+        inverse = SecantInverse(factor)
         for _ in range(CORRECTIONS):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
-            correction = self._step(factor, there.residual, limits.longest_step)
+            inverse.observe((there.state - here.state)[free], there.residual - here.residual)
+            correction = self._step(inverse, there.residual, limits.longest_step)
             lower = self._lower(there, correction)
             if lower is None:
                 break
-            there = lower
+            here, there = there, lower
         return there
 
     def _lower(self, here: Configuration, correction: Array) -> Configuration | None:

@@ -23,7 +23,7 @@ from bilayer.material import Law, LinearElastic, MooneyRivlin
 Array = NDArray[np.float64]
 
 _VOLUME_ITERATIONS = 50
-_VOLUME_TOLERANCE = 1e-8  # of the last step, which leaves its square as the error
+_VOLUME_TOLERANCE = 1e-6  # of the last step, which leaves its square as the error
 
 
 class PlaneStressState(Protocol):
@@ -154,9 +154,9 @@ class _MooneyRivlinState:
 
     def _least(self) -> Array:
         """Return r, the cube root of the volume over the natural one, of the least energy."""
-        r = np.ones_like(self._T)
         if self._law.d1 == 0:
-            return r
+            return np.ones_like(self._T)
+        r = self._nearly_least()
         for _ in range(_VOLUME_ITERATIONS):
             slope, bend = self._volume_derivatives(r)
             step = slope / bend
@@ -164,6 +164,16 @@ class _MooneyRivlinState:
             if not np.any(np.abs(step) > _VOLUME_TOLERANCE * r):
                 break
         return r
+
+    def _nearly_least(self) -> Array:
+        """Return r after one Newton step from 1 in J, where a stiff volume is nearly quadratic."""
+        a, b, k = self._law.c10 / 9, self._law.c01 / 9, 2 / self._law.d1
+        aT, aD = a * self._T, a * self._per_D
+        bD, bT = b * self._D, b * self._T * self._per_D
+        slope = 12 * (aD - bD) + 6 * (bT - aT)
+        bend = 10 * aT + 4 * aD + 28 * bD - 2 * bT + k
+        j = np.maximum(-slope / bend, -0.5)
+        return (3 + 2 * j) / (3 + j)  # the cube root of 1 + j, to the second order
 
     def _volume_derivatives(self, r: Array) -> tuple[Array, Array]:
         """Return the first and second derivative of the energy by r."""
