@@ -1,9 +1,10 @@
 """From elements to the whole: energies, forces and one sparse Hessian of fixed pattern.
 
 The state is a vector of degrees of freedom: the nodes' coordinates, node by node, and whatever
-else a model adds behind them. An energy is a set of like elements, each of a few of these. Where
-each entry of each element's Hessian goes in the sparse matrix is found once; an assembly is then
-one `bincount` over all entries.
+else a model adds behind them. An energy is a sum over elements. Its second derivative is a sum of
+small matrices, each of which couples a few degrees of freedom, its stencil. Where each entry of
+each of them goes in the sparse matrix is found once; an assembly is then one `bincount` over all
+entries.
 """
 
 from collections.abc import Sequence
@@ -23,39 +24,39 @@ class Deformed(Protocol):
         """Return each element's energy, J, shape (n,)."""
 
     def gradient(self) -> Array:
-        """Return its derivative by the element's degrees of freedom, N, shape (n, ...)."""
+        """Return the derivative of the sum by the whole state, N, shape (dofs,)."""
 
-    def hessian(self) -> Array:
-        """Return its second derivative, N/m, shape (n, k, k)."""
+    def hessian(self) -> Sequence[Array]:
+        """Return its second derivative, N/m, shape (n, k, k) for each of the energy's stencils."""
 
-    def convex_hessian(self) -> Array:
-        """Return a matrix near to it without negative eigenvalues, N/m, shape (n, k, k)."""
+    def convex_hessian(self) -> Sequence[Array]:
+        """Return the like of it whose sum has no negative eigenvalue."""
 
 
 class Energy(Protocol):
-    """A sum of like element energies, each of the values of its own degrees of freedom."""
+    """A sum of element energies."""
 
     @property
     def name(self) -> str:
         """What the energy is called in a result."""
 
     @property
-    def dofs(self) -> NDArray[np.int64]:
-        """Degrees of freedom of each element, k of them, shape (n, ...)."""
+    def stencils(self) -> Sequence[NDArray[np.int64]]:
+        """Degrees of freedom that the parts of its Hessian couple, arrays of shape (n, k)."""
 
-    def at(self, values: Array) -> Deformed:
-        """Return the elements in a state; the values have the shape of `dofs`, in m."""
+    def at(self, state: Array) -> Deformed:
+        """Return the elements in a state: all degrees of freedom, m, shape (dofs,)."""
 
 
 class Assembly:
-    """Where the elements of some energies go in the vectors and the matrix of the free dofs.
+    """Where the parts of some energies' Hessians go in the matrix of the free dofs.
 
     Parameters
     ----------
     size : int
         Number of degrees of freedom.
-    stencils : sequence of (n, ...) arrays of int
-        The degrees of freedom of the elements, one array per energy.
+    energies : sequence of Energy
+        Of the elements, in whatever rest state: their stencils are what counts.
     held : array of int
         Degrees of freedom that do not change.
     """
@@ -63,17 +64,16 @@ class Assembly:
     def __init__(
         self,
         size: int,
-        stencils: Sequence[NDArray[np.int64]],
+        energies: Sequence[Energy],
         held: Sequence[int] | NDArray[np.int64] = (),
     ) -> None:
         self.size = size
         self.free = np.setdiff1d(np.arange(size), held)
-        stencil_dofs = [dofs.reshape(len(dofs), -1) for dofs in stencils]
-        self._dofs = np.concatenate([dofs.reshape(-1) for dofs in stencil_dofs])
         count = len(self.free)
         number = np.full(size, -1)
         number[self.free] = np.arange(count)
-        entries = [_entries(number[dofs], count) for dofs in stencil_dofs]
+        stencils = [dofs for term in energies for dofs in term.stencils]
+        entries = [_entries(number[dofs], count) for dofs in stencils]
         diagonal = np.arange(count) * (count + 1)
         # the entries of held dofs are numbered past the last: they end in a slot of their own
         pattern, slots = np.unique(np.concatenate([diagonal, *entries]), return_inverse=True)
@@ -85,33 +85,21 @@ class Assembly:
         # SciPy would make 64-bit places shorter for every matrix
         self._rows, self._column_starts = rows.astype(np.intc), starts.astype(np.intc)
 
-    def gradient(self, deformed: Sequence[Deformed]) -> Array:
-        """Return the derivative of the energies by the whole state, N, shape (dofs,).
-
-        Parameters
-        ----------
-        deformed : sequence of Deformed
-            The energies that the assembly was made for, in their order, in one state.
-        """
-        parts = [part.gradient().reshape(-1) for part in deformed]
-        total = np.bincount(self._dofs, np.concatenate(parts), minlength=self.size)
-        return total.astype(np.float64, copy=False)
-
     def hessian(self, deformed: Sequence[Deformed], diagonal: Array | float = 0.0) -> csc_matrix:
         """Return the second derivative by the free dofs, N/m, plus a diagonal.
 
         Parameters
         ----------
         deformed : sequence of Deformed
-            As for `gradient`.
+            The energies that the assembly was made for, in their order, in one state.
         diagonal : (free dofs,) array of float or float
             Added to the diagonal, N/m.
         """
-        return self._matrix([part.hessian() for part in deformed], diagonal)
+        return self._matrix([part for term in deformed for part in term.hessian()], diagonal)
 
     def convex_hessian(self, deformed: Sequence[Deformed]) -> csc_matrix:
         """Return the like of `hessian` that has no negative eigenvalue."""
-        return self._matrix([part.convex_hessian() for part in deformed], 0.0)
+        return self._matrix([part for term in deformed for part in term.convex_hessian()], 0.0)
 
     def _matrix(self, parts: list[Array], diagonal: Array | float) -> csc_matrix:
         stored = len(self._rows)
@@ -125,8 +113,12 @@ class Assembly:
 
 def deform(energies: Sequence[Energy], state: Array) -> list[Deformed]:
     """Return each energy's elements in a state, the values of all dofs in m, in any shape."""
-    flat = state.reshape(-1)
-    return [term.at(flat[term.dofs]) for term in energies]
+    return [term.at(state.reshape(-1)) for term in energies]
+
+
+def gradient_of(deformed: Sequence[Deformed]) -> Array:
+    """Return the derivative of some energies in one state by all dofs, N, shape (dofs,)."""
+    return np.sum([part.gradient() for part in deformed], axis=0)
 
 
 def energy_sums(deformed: Sequence[Deformed]) -> list[float]:
@@ -143,6 +135,12 @@ def total_energies(energies: Sequence[Energy], state: Array) -> dict[str, float]
 def coordinates_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the places of nodes' coordinates in the state: (n, k) nodes give (n, k, 3)."""
     return 3 * nodes[..., None] + np.arange(3)
+
+
+def sum_at(dofs: NDArray[np.int64], values: Array, size: int) -> Array:
+    """Return, for each of `size` degrees of freedom, the sum of the values that belong to it."""
+    total = np.bincount(dofs.reshape(-1), values.reshape(-1), minlength=size)
+    return total.astype(np.float64, copy=False)
 
 
 def _entries(dofs: NDArray[np.int64], size: int) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy, deform
+from dshell.assembly import Assembly, Energy, deform, gradient_of
 from dshell.linear_solver import LinearSolver, SingularMatrixError, best_linear_solver
 
 Array = NDArray[np.float64]
@@ -50,8 +50,7 @@ class MovingBody:
 
     def assembly(self) -> Assembly:
         """Return the assembly of the body's energies."""
-        stencils = [term.dofs for term in self.energies(0.0)]
-        return Assembly(self.masses.size, stencils, self.held)
+        return Assembly(self.masses.size, self.energies(0.0), self.held)
 
 
 @dataclass(frozen=True)
@@ -256,7 +255,7 @@ def _step(
         momentum = masses * ((velocity - old.velocity) / h + body.damping_rate * velocity)
         deformed = deform(energies, position)
         forces = momentum - load
-        residual = (forces.reshape(-1) + assembly.gradient(deformed))[free]
+        residual = (forces.reshape(-1) + gradient_of(deformed))[free]
         error = float(np.linalg.norm(residual))
         if error <= rule.tolerance:
             return Motion(time, position, velocity, iterations, error)

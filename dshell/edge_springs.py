@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dshell.assembly import coordinates_of
+from dshell.assembly import coordinates_of, sum_at
 
 Array = NDArray[np.float64]
 
@@ -34,18 +34,21 @@ class EdgeSprings:
     name: ClassVar[str] = "stretching"
 
     @property
-    def dofs(self) -> NDArray[np.int64]:
-        """Coordinates of each spring's ends among all coordinates, shape (e, 2, 3)."""
-        return coordinates_of(self.nodes)
+    def stencils(self) -> list[NDArray[np.int64]]:
+        """Coordinates of each spring's ends in the state, (e, 6)."""
+        return [coordinates_of(self.nodes).reshape(-1, 6)]
 
-    def at(self, corners: Array) -> "_StretchedSprings":
-        """Return the springs with their ends at positions of shape (e, 2, 3) in m."""
-        return _StretchedSprings(self, corners)
+    def at(self, state: Array) -> "_StretchedSprings":
+        """Return the springs in a state; see `dshell.assembly.Energy`."""
+        return _StretchedSprings(self, state)
 
 
 class _StretchedSprings:
-    def __init__(self, springs: EdgeSprings, corners: Array) -> None:
+    def __init__(self, springs: EdgeSprings, state: Array) -> None:
         self._springs = springs
+        self._size = len(state)
+        self._dofs = coordinates_of(springs.nodes)
+        corners = state[self._dofs]
         edge = corners[:, 1] - corners[:, 0]
         self._length = np.sqrt((edge * edge).sum(axis=1))
         self._along = edge / self._length[:, None]
@@ -59,15 +62,15 @@ class _StretchedSprings:
     def gradient(self) -> Array:
         """See `dshell.assembly.Deformed`."""
         pull = (self._tension[:, None] * self._along)[:, None, :]
-        return np.concatenate([-pull, pull], axis=1)
+        return sum_at(self._dofs, np.concatenate([-pull, pull], axis=1), self._size)
 
-    def hessian(self) -> Array:
+    def hessian(self) -> list[Array]:
         """See `dshell.assembly.Deformed`."""
-        return self._stiffness(self._tension / self._length)
+        return [self._stiffness(self._tension / self._length)]
 
-    def convex_hessian(self) -> Array:
+    def convex_hessian(self) -> list[Array]:
         """Return the Hessian without the pressure of a short spring: no negative eigenvalue."""
-        return self._stiffness(np.maximum(self._tension, 0.0) / self._length)
+        return [self._stiffness(np.maximum(self._tension, 0.0) / self._length)]
 
     def _stiffness(self, across: Array) -> Array:
         """Stiffness along the spring, and `across` for the directions in which it turns."""

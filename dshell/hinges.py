@@ -24,7 +24,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dshell.assembly import coordinates_of
+from dshell.assembly import coordinates_of, sum_at
 
 Array = NDArray[np.float64]
 
@@ -49,19 +49,21 @@ class Hinges:
     name: ClassVar[str] = "bending"
 
     @property
-    def dofs(self) -> NDArray[np.int64]:
-        """Coordinates of each hinge's nodes among all coordinates, shape (h, 4, 3)."""
-        return coordinates_of(self.nodes)
+    def stencils(self) -> list[NDArray[np.int64]]:
+        """Coordinates of each hinge's nodes in the state, all x first, then y, z, (h, 12)."""
+        return [fold_dofs(self.nodes).reshape(12, -1).T]
 
-    def at(self, corners: Array) -> "_TurnedHinges":
-        """Return the hinges with their nodes at positions of shape (h, 4, 3) in m."""
-        return _TurnedHinges(self, corners)
+    def at(self, state: Array) -> "_TurnedHinges":
+        """Return the hinges in a state; see `dshell.assembly.Energy`."""
+        return _TurnedHinges(self, state)
 
 
 class _TurnedHinges:
-    def __init__(self, hinges: Hinges, corners: Array) -> None:
+    def __init__(self, hinges: Hinges, state: Array) -> None:
         self._hinges = hinges
-        self._fold = Fold(np.ascontiguousarray(corners.transpose(2, 1, 0)))
+        self._size = len(state)
+        self._dofs = fold_dofs(hinges.nodes)
+        self._fold = Fold(state[self._dofs])
         self._turn = self._fold.angle - hinges.natural_angle
 
     def energy(self) -> Array:
@@ -70,26 +72,27 @@ class _TurnedHinges:
 
     def gradient(self) -> Array:
         """See `dshell.assembly.Deformed`."""
-        return (self._hinges.stiffness * self._turn * self._fold.gradient).transpose(2, 1, 0)
+        forces = self._hinges.stiffness * self._turn * self._fold.gradient
+        return sum_at(self._dofs, forces, self._size)
 
-    def hessian(self) -> Array:
+    def hessian(self) -> list[Array]:
         """See `dshell.assembly.Deformed`."""
         left, right = self._fold.hessian_rows()
-        moment = self._hinges.stiffness * self._turn
-        return self._product([*(moment * left), self._half_stiff()], [*right, self._fold.gradient])
+        moment, gradient = self._hinges.stiffness * self._turn, self._fold.gradient[None]
+        left = np.concatenate([moment * left, self._half_stiff()])
+        return [fold_product(left, np.concatenate([right, gradient]))]
 
-    def convex_hessian(self) -> Array:
+    def convex_hessian(self) -> list[Array]:
         """Return the Hessian without the angle's own curvature: no negative eigenvalue."""
-        return self._product([self._half_stiff()], [self._fold.gradient])
+        return [fold_product(self._half_stiff(), self._fold.gradient[None])]
 
     def _half_stiff(self) -> Array:
-        return 0.5 * self._hinges.stiffness * self._fold.gradient
+        return 0.5 * self._hinges.stiffness * self._fold.gradient[None]
 
-    @staticmethod
-    def _product(left: list[Array], right: list[Array]) -> Array:
-        """Return S[left^T right] of rows (3, 4, h), shape (h, 12, 12)."""
-        rows = (np.stack(side).transpose(3, 0, 2, 1) for side in (left, right))
-        return symmetric_product(*(side.reshape(*side.shape[:2], 12) for side in rows))
+
+def fold_dofs(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the places of hinges' coordinates in the state: (h, 4) nodes give (3, 4, h)."""
+    return np.ascontiguousarray(coordinates_of(nodes).transpose(2, 1, 0))
 
 
 def hinge_angles(corners: Array) -> Array:
@@ -147,6 +150,12 @@ class Fold:
             right[2 + side] = (-self._along / self._length)[:, None] * weights
             add_at_ends(right[2 + side], inward / (2 * self._length**2))
         return left, right
+
+
+def fold_product(left: Array, right: Array) -> Array:
+    """Return S[L^T R] of rows of shape (r, 3, 4, h), shape (h, 12, 12): x of the nodes, y, z."""
+    rows = (side.reshape(len(side), 12, -1).transpose(2, 0, 1) for side in (left, right))
+    return symmetric_product(*map(np.ascontiguousarray, rows))
 
 
 def symmetric_product(left: Array, right: Array) -> Array:

@@ -13,6 +13,10 @@ is
 
 That is Morley's triangle (1968) for small deflections: constant curvature is exact on any mesh.
 With the constant strain of the membrane, a laminate gives the energy of each face.
+
+The energy of a face needs six nodes, its corners and the apexes beyond its edges, and three edges.
+The angle across an edge serves both of its faces, so it is computed once, and so is its second
+derivative, times the moment of both.
 """
 
 from copy import copy
@@ -22,12 +26,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dshell.assembly import coordinates_of
-from dshell.hinges import symmetric_product
+from dshell.assembly import coordinates_of, sum_at
+from dshell.hinges import fold_dofs, fold_product, symmetric_product
 from dshell.membrane import FlatTriangles
 from dshell.through_thickness import Laminate
 from dshell.topology import FaceNeighbours
-from dshell.turns import TURN_ROWS, Turn
+from dshell.turns import Turn
 
 Array = NDArray[np.float64]
 
@@ -35,6 +39,8 @@ _FOLDS = ((1, 2, 0, 3), (2, 0, 1, 4), (0, 1, 2, 5))
 """The hinge over each edge, among the face's six nodes: its corners and the apexes beyond them.
 
 First the hinge's ends, then the apex of the face and that beyond the edge."""
+_VIEWS = ((0, 1), (1, 0), (2, 3), (3, 2))
+"""The nodes of a hinge in the order of its first and of its second face."""
 _POSITIONS = 18  # x of the six nodes, y, z; three edge displacements follow
 
 
@@ -60,11 +66,34 @@ class MorleyFaces:
         self.flat = FlatTriangles(points[triangles])
         self.turn_factors = 0.5 * self.flat.lengths**2 * around.shared.T
         self.shares = around.side.T
-        nodes = np.column_stack([triangles, around.apexes])
-        by_axis = coordinates_of(nodes).transpose(0, 2, 1).reshape(len(nodes), -1)
-        self.dofs = np.column_stack([by_axis, 3 * len(points) + around.edges])
         x, y = self.flat.outward
         self.bending = np.stack([x * x, y * y, 2 * x * y]) / self.flat.areas
+        self._nodes = np.column_stack([triangles, around.apexes])
+        self.extra_dofs = 3 * len(points) + around.edges.T
+        self._find_folds()
+
+    def _find_folds(self) -> None:
+        """Give a number to the fold over each edge, which one of its faces is the first to see."""
+        _, first, fold = np.unique(self.extra_dofs, return_index=True, return_inverse=True)
+        edge, face = np.divmod(first, len(self._nodes))
+        hinges = self._nodes[face[:, None], np.take(_FOLDS, edge, axis=0)]
+        self.fold_dofs = fold_dofs(hinges)
+        """Coordinates of the folds' nodes in the state, (3, 4, f)."""
+        self.folds = fold.reshape(self.extra_dofs.shape)
+        """The fold over each edge of each face, (3, m)."""
+        seen = np.where(first[self.folds] == np.arange(fold.size).reshape(self.folds.shape), 0, 1)
+        self.fold_nodes = np.take(_VIEWS, seen, axis=1) * len(first) + self.folds
+        """Its nodes in the face's order among all nodes of folds, (4, 3, m)."""
+        at_nodes = coordinates_of(self._nodes).transpose(2, 1, 0)
+        self.corner_dofs = np.ascontiguousarray(at_nodes[:, :3])
+        """Coordinates of the faces' corners in the state, (3, 3, m): xyz, corner."""
+        self.stencils = [
+            np.concatenate([at_nodes.reshape(_POSITIONS, -1), self.extra_dofs]).T,
+            self.fold_dofs.reshape(12, -1).T,
+        ]
+        self.force_dofs = np.concatenate(
+            [part.reshape(-1) for part in (self.corner_dofs, self.fold_dofs, self.extra_dofs)]
+        )
 
     def made_of(self, laminate: Laminate) -> "MorleyFaces":
         """Return the same faces of another laminate; what they share is not computed anew."""
@@ -78,12 +107,14 @@ class MorleyFaces:
         faces.laminate = self.laminate.part(block)
         faces.flat = self.flat.part(block)
         faces.turn_factors, faces.shares = self.turn_factors[:, block], self.shares[:, block]
-        faces.dofs, faces.bending = self.dofs[block], self.bending[:, :, block]
+        faces.bending, faces.extra_dofs = self.bending[:, :, block], self.extra_dofs[:, block]
+        faces._nodes = self._nodes[block]
+        faces._find_folds()
         return faces
 
-    def at(self, values: Array) -> "BentFaces":
-        """Return the faces in a state; values have shape (m, 21), in m."""
-        return BentFaces(self, values)
+    def at(self, state: Array) -> "BentFaces":
+        """Return the faces in a state; see `dshell.assembly.Energy`."""
+        return BentFaces(self, state)
 
 
 class BentFaces:
@@ -93,18 +124,17 @@ class BentFaces:
     ----------
     faces : MorleyFaces
         What is bent.
-    values : (m, 21) array of float
-        Their degrees of freedom, m.
+    state : (dofs,) array of float
+        All degrees of freedom, m.
     """
 
-    def __init__(self, faces: MorleyFaces, values: Array) -> None:
+    def __init__(self, faces: MorleyFaces, state: Array) -> None:
         self._faces = faces
-        by_dof = np.ascontiguousarray(values.T)
-        nodes = by_dof[:_POSITIONS].reshape(3, 6, -1)
-        self._triangles = faces.flat.at(nodes[:, :3])
-        self._folds = Turn(nodes[:, np.transpose(_FOLDS)])  # (3, 4, 3, m): edge after node
-        turns = faces.turn_factors * self._folds.sharpness
-        turns += faces.shares * by_dof[_POSITIONS:]
+        self._size = len(state)
+        self._triangles = faces.flat.at(state[faces.corner_dofs])
+        self._folds = Turn(state[faces.fold_dofs])
+        turns = faces.turn_factors * self._folds.sharpness[faces.folds]
+        turns += faces.shares * state[faces.extra_dofs]
         curvature = (faces.bending * turns).sum(axis=1)
         self.strains = np.concatenate([self._triangles.strain(), curvature])
         """Strain and curvature (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy), shape (6, m)."""
@@ -123,31 +153,24 @@ class BentFaces:
         }
 
     def gradient(self) -> Array:
-        """Return the derivative of the energy by the values, N, shape (m, 21)."""
-        gradient = np.zeros((21, len(self._faces.dofs)))
-        at_nodes = gradient[:_POSITIONS].reshape(3, 6, -1)
-        at_nodes[:, :3] = self._triangles.forces(self._forces[:3])
-        torques = self._faces.turn_factors * self._moments
-        for edge, nodes in enumerate(_FOLDS):
-            at_nodes[:, nodes] += torques[edge] * self._folds.sharpness_gradient[:, :, edge]
-        gradient[_POSITIONS:] = self._faces.shares * self._moments
-        return gradient.T
+        """Return the derivative of the energy by the state, N, shape (dofs,)."""
+        parts = [
+            self._triangles.forces(self._forces[:3]),
+            self._torques * self._folds.sharpness_gradient,
+            self._faces.shares * self._moments,
+        ]
+        forces = np.concatenate([part.reshape(-1) for part in parts])
+        return sum_at(self._faces.force_dofs, forces, self._size)
 
-    def hessian(self) -> Array:
-        """Return the second derivative by the values, N/m, shape (m, 21, 21)."""
-        left, right = np.zeros((2, len(self._faces.dofs), 6 + 3 * TURN_ROWS, 21))
-        self._set_material_rows(left[:, :6], right[:, :6], self._laminate.stiffness())
-        left_rows, right_rows = self._folds.sharpness_hessian_rows()
-        left_rows *= self._faces.turn_factors * self._moments
-        for edge in range(3):
-            rows = slice(6 + edge * TURN_ROWS, 6 + (edge + 1) * TURN_ROWS)
-            _set_fold(left[:, rows], edge, left_rows[:, :, :, edge])
-            _set_fold(right[:, rows], edge, right_rows[:, :, :, edge])
-        hessian = symmetric_product(left, right)
-        self._add_membrane_forces(hessian, self._forces[:3])
-        return hessian
+    def hessian(self) -> list[Array]:
+        """Return the second derivative, N/m: of the faces (m, 21, 21), of the folds (f, 12, 12)."""
+        faces = self._material_part(self._laminate.stiffness())
+        self._add_membrane_forces(faces, self._forces[:3])
+        left, right = self._folds.sharpness_hessian_rows()
+        left *= self._torques
+        return [faces, fold_product(left, right)]
 
-    def convex_hessian(self) -> Array:
+    def convex_hessian(self) -> list[Array]:
         """Return the Hessian with what can make it indefinite left out.
 
         Negative eigenvalues of the laminate's stiffness and of the membrane forces count as zero,
@@ -158,11 +181,9 @@ class BentFaces:
         scale = np.multiply.outer(units, units)
         stiffness = np.moveaxis(self._laminate.stiffness(), 2, 0)
         convex = _without_negative(stiffness * scale) / scale
-        left, right = np.zeros((2, len(self._faces.dofs), 6, 21))
-        self._set_material_rows(left, right, np.moveaxis(convex, 0, 2))
-        hessian = symmetric_product(left, right)
-        self._add_membrane_forces(hessian, _tension(self._forces[:3]))
-        return hessian
+        faces = self._material_part(np.moveaxis(convex, 0, 2))
+        self._add_membrane_forces(faces, _tension(self._forces[:3]))
+        return [faces, np.zeros((self._faces.fold_dofs.shape[2], 12, 12))]
 
     @cached_property
     def _forces(self) -> Array:
@@ -174,24 +195,31 @@ class BentFaces:
         """Derivative of the energy by the turns l_i a_i, (3, m)."""
         return (self._faces.bending * self._forces[3:, None]).sum(axis=0)
 
-    def _strain_gradient(self) -> Array:
-        """Return the derivative of strain and curvature by the values, shape (6, 21, m)."""
+    @cached_property
+    def _torques(self) -> Array:
+        """Derivative of the energy by the sharpness of each fold, from both of its faces, (f,)."""
         faces = self._faces
-        slope = np.zeros((6, 21, len(faces.dofs)))
+        return sum_at(faces.folds, faces.turn_factors * self._moments, faces.fold_dofs.shape[2])
+
+    def _strain_gradient(self) -> Array:
+        """Return the derivative of strain and curvature by the stencil, shape (6, 21, m)."""
+        faces = self._faces
+        slope = np.zeros((6, 21, faces.folds.shape[1]))
         at_nodes = slope[:, :_POSITIONS].reshape(6, 3, 6, -1)
         at_nodes[:3, :, :3] = self._triangles.strain_gradient()
+        sharpness = self._folds.sharpness_gradient.reshape(3, -1)[:, faces.fold_nodes]
+        turns = faces.turn_factors * sharpness
         for edge, nodes in enumerate(_FOLDS):
             per_turn = faces.bending[:, edge]
-            turn = faces.turn_factors[edge] * self._folds.sharpness_gradient[:, :, edge]
-            at_nodes[3:, :, nodes] += per_turn[:, None, None] * turn
+            at_nodes[3:, :, nodes] += per_turn[:, None, None] * turns[:, :, edge]
             slope[3:, _POSITIONS + edge] = per_turn * faces.shares[edge]
         return slope
 
-    def _set_material_rows(self, left: Array, right: Array, stiffness: Array) -> None:
-        """Set the rows of which S[left^T right] is the part of the laminate's stiffness."""
-        right[:] = self._strain_gradient().transpose(2, 0, 1)
+    def _material_part(self, stiffness: Array) -> Array:
+        """Return the part of the Hessian that a laminate's stiffness (6, 6, m) makes."""
+        slope = np.ascontiguousarray(self._strain_gradient().transpose(2, 0, 1))
         half = 0.5 * self._faces.flat.areas * stiffness
-        np.matmul(np.ascontiguousarray(half.transpose(2, 0, 1)), right, out=left)
+        return symmetric_product(half.transpose(2, 0, 1) @ slope, slope)
 
     def _add_membrane_forces(self, hessian: Array, forces: Array) -> None:
         """Add membrane forces (3, m) times the second derivative of the strain."""
@@ -199,13 +227,6 @@ class BentFaces:
         for first in range(0, _POSITIONS, 6):
             corners = slice(first, first + 3)
             hessian[:, corners, corners] += pairs
-
-
-def _set_fold(rows: Array, edge: int, fold: Array) -> None:
-    """Set rows over the values, (m, r, 21), to ones over the nodes of a fold, (r, 3, 4, m)."""
-    at_nodes = rows[:, :, :_POSITIONS].reshape(*rows.shape[:2], 3, 6)
-    for place, node in enumerate(_FOLDS[edge]):
-        at_nodes[:, :, :, node] = fold[:, :, place].transpose(2, 0, 1)
 
 
 def _without_negative(matrices: Array) -> Array:

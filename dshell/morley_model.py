@@ -32,14 +32,16 @@ class MorleyModel:
     def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: MorleySettings) -> None:
         self._specimen, self._mesh = specimen, mesh
         self._quadratic = PROFILES[settings.profile]
-        self._faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
-        self.extra_dofs = self._faces.edge_count
+        faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
+        self.extra_dofs = faces.edge_count
+        starts = range(0, len(mesh.triangles), FACES_IN_A_BLOCK)
+        blocks = [slice(start, start + FACES_IN_A_BLOCK) for start in starts]
+        self._blocks = [(block, faces.part(block)) for block in blocks]
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
         """Return the faces in blocks, the prestretch being (lambda_x, lambda_y)."""
-        faces = self._faces.made_of(self._laminate(stretch))
-        starts = range(0, len(self._mesh.triangles), FACES_IN_A_BLOCK)
-        return [faces.part(slice(start, start + FACES_IN_A_BLOCK)) for start in starts]
+        laminate = self._laminate(stretch)
+        return [faces.made_of(laminate.part(block)) for block, faces in self._blocks]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
         """Return how far the bond is above the substrate's mid-plane in the flat state, m."""
@@ -47,8 +49,8 @@ class MorleyModel:
 
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energy of each layer, J."""
-        faces = self._faces.made_of(self._laminate(stretch))
-        return faces.at(state[faces.dofs]).layer_energies()
+        parts = [faces.at(state).layer_energies() for faces in self.energies(stretch)]
+        return {name: sum(part[name] for part in parts) for name in parts[0]}
 
     def _laminate(self, stretch: tuple[float, float]) -> Laminate:
         return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._quadratic)

@@ -20,7 +20,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy, deform, energy_sums
+from dshell.assembly import Assembly, Energy, deform, energy_sums, gradient_of
 from dshell.linear_solver import Factor, LinearSolver, NotPositiveDefiniteError, SingularMatrixError
 from dshell.secant_inverse import SecantInverse
 
@@ -36,7 +36,7 @@ MODE_TOLERANCE = 1e-4
 MODE_RESTARTS = 3
 """Of ARPACK, twenty solutions each, for modes that mend a stiffness: those worth it, nearly 0,
 stand apart and take no more; others took thousands of solutions on a fine mesh."""
-CORRECTIONS = 6
+CORRECTIONS = 8
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
 """Of a correction, tried in this order until the energy falls."""
@@ -103,7 +103,7 @@ class Configuration:
     def residual(self) -> Array:
         """Residual force on the free degrees of freedom, N."""
         with np.errstate(all="ignore"):
-            forces = self._assembly.gradient(self._deformed)
+            forces = gradient_of(self._deformed)
         return (forces - self.body.load)[self._assembly.free]
 
     @cached_property
@@ -279,19 +279,23 @@ class EquilibriumSolver:
     def _corrected(
         self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
     ) -> Configuration:
-        """Return what comes after a step and those corrections that lower the energy."""
+        """Return what comes after a step and those corrections that lower the energy.
+
+        The factor learns from the corrections, not from the step: that has stretched the shell,
+        and so the way along it, soft as it is, would seem stiff and be taken back.
+        """
         free = self.assembly.free
         there = self.placed(here.body, here.state + step)
         inverse = SecantInverse(factor)
         for _ in range(CORRECTIONS):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
-            inverse.observe((there.state - here.state)[free], there.residual - here.residual)
             correction = self._step(inverse, there.residual, limits.longest_step)
             lower = self._lower(there, correction)
             if lower is None:
                 break
-            here, there = there, lower
+            inverse.observe((lower.state - there.state)[free], lower.residual - there.residual)
+            there = lower
         return there
 
     def _lower(self, here: Configuration, correction: Array) -> Configuration | None:

@@ -23,7 +23,7 @@ from bilayer.material import Law, LinearElastic, MooneyRivlin
 Array = NDArray[np.float64]
 
 _VOLUME_ITERATIONS = 50
-_VOLUME_TOLERANCE = 1e-6  # of the last step, which leaves its square as the error
+_VOLUME_TOLERANCE = 1e-7  # of the last step, which leaves its square as the error
 
 
 class PlaneStressState(Protocol):

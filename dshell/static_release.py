@@ -107,10 +107,10 @@ class StaticRelease:
         linear_solver: LinearSolver,
     ) -> None:
         self._specimen, self._mesh, self._model, self._settings = specimen, mesh, model, settings
-        stencils = [term.dofs for term in model.energies(UNSTRETCHED)]
         size = 3 * len(mesh.points) + model.extra_dofs
         self._held = support(specimen, mesh)
-        assembly = Assembly(size, stencils, held_coordinates(self._held))
+        energies = model.energies(UNSTRETCHED)
+        assembly = Assembly(size, energies, held_coordinates(self._held))
         self._solver = EquilibriumSolver(assembly, linear_solver)
         self._longest_step = settings.longest_step * specimen.outer_radius
         layers = (specimen.substrate, specimen.kirigami)

@@ -22,9 +22,6 @@ from dshell.hinges import Fold, add_at_ends
 
 Array = NDArray[np.float64]
 
-TURN_ROWS = 6
-"""Rows of the second derivative of each turn."""
-
 
 class Turn(Fold):
     """The angle across hinges over their present length, with its derivatives; see `Fold`."""
@@ -51,7 +48,7 @@ class Turn(Fold):
         where l H(l) is c c^T times the projection across t, which n and m of either triangle span.
         """
         length, along, sharpness = self._length, self._along, self.sharpness
-        left, right = np.zeros((2, TURN_ROWS, *self.gradient.shape))
+        left, right = np.zeros((2, 6, *self.gradient.shape))
         left[:4], angle_part = self.hessian_rows()
         right[:4] = angle_part / length
         per_area = 1 / length**2

@@ -73,8 +73,8 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
         rows[[*counts, "kB per triangle", "sphere radius (mm)"]]
     )
     parts = [*SECTIONS, "rest", "total"]
-    yield "CPU seconds; meshing is not in the total\n" + _text(
-        rows[["triangles", "meshing", *parts]], "{:.2f}"
+    yield "CPU seconds; start-up and meshing are not in the total\n" + _text(
+        rows[["triangles", "start-up", "meshing", *parts]], "{:.2f}"
     )
     shares = 100 * rows[parts].div(rows["total"], axis=0)
     yield "Shares of the total, %\n" + _text(

@@ -34,9 +34,7 @@ def stiffness_of_a_dome(triangles: int) -> csc_matrix:
     x, y = mesh.points.T
     dome = np.column_stack([x, y, -8.0 * (x**2 + y**2)])  # a sphere of about 60 mm
     state = np.concatenate([dome.reshape(-1), np.zeros(model.extra_dofs)])
-    assembly = Assembly(
-        len(state), [term.dofs for term in energies], held_coordinates(held_nodes(mesh))
-    )
+    assembly = Assembly(len(state), energies, held_coordinates(held_nodes(mesh)))
     matrix = assembly.convex_hessian(deform(energies, state))
     matrix.setdiag(matrix.diagonal() + CONVEX_SHIFT * matrix.diagonal().mean())
     return matrix

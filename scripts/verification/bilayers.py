@@ -71,7 +71,7 @@ def small_mismatch_curvature(mesh: PlanarMesh, stretch: float = 1.00003) -> np.n
     held = held_coordinates(held_nodes(mesh))
     state = Problem(faces, flat, held, np.zeros(len(flat))).solved(1e-8)
     expected = specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
-    return faces.at(state[faces.dofs]).strains[3:5] / expected
+    return faces.at(state).strains[3:5] / expected
 
 
 @dataclass
@@ -180,7 +180,7 @@ def _least_stiffness(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> float
 def _centre_curvatures(faces, state, mesh: PlanarMesh) -> np.ndarray:
     """The two principal curvatures at the centre, ascending, 1/m."""
     near = np.linalg.norm(mesh.points[mesh.triangles].mean(axis=1), axis=1) < CENTRE
-    xx, yy, twice_xy = faces.at(state[faces.dofs]).strains[3:, near].mean(axis=1)
+    xx, yy, twice_xy = faces.at(state).strains[3:, near].mean(axis=1)
     return np.linalg.eigvalsh([[xx, twice_xy / 2], [twice_xy / 2, yy]])
 
 
@@ -196,7 +196,7 @@ def timoshenko_strip(stretch: float, cells: int = 80) -> float:
     state = Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat))).solved()
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.04 / 3
     areas = mesh.areas[middle]
-    return float(faces.at(state[faces.dofs]).strains[3, middle] @ areas / areas.sum())
+    return float(faces.at(state).strains[3, middle] @ areas / areas.sum())
 
 
 def flexure(stretch: float, profile="linear", cells: int = 40) -> tuple[float, float]:
@@ -214,7 +214,7 @@ def flexure(stretch: float, profile="linear", cells: int = 40) -> tuple[float, f
     if problem.unstable_modes(state):
         raise ComputationError("the bent strip is not stable")
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.02 / 3
-    strain, _, _, curvature, _, _ = faces.at(state[faces.dofs]).strains[:, middle].mean(axis=1)
+    strain, _, _, curvature, _, _ = faces.at(state).strains[:, middle].mean(axis=1)
     height = faces.laminate.layers[0].top  # of the bond over the surface
     at_bond = strain + height * curvature + PROFILES[profile] * (height * curvature) ** 2 / 2
     return float(curvature), float(np.sqrt(1 + 2 * at_bond))

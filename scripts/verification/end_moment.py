@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dshell.assembly import coordinates_of
+from dshell.assembly import coordinates_of, sum_at
 
 Array = NDArray[np.float64]
 
@@ -35,19 +35,21 @@ class EndMoment:
     about: float
 
     @property
-    def dofs(self) -> NDArray[np.int64]:
-        """Places of each line's coordinates in the state, shape (n, 2, 3)."""
-        return coordinates_of(self.lines)
+    def stencils(self) -> list[NDArray[np.int64]]:
+        """Places of each line's coordinates in the state, (n, 6)."""
+        return [coordinates_of(self.lines).reshape(-1, 6)]
 
-    def at(self, values: Array) -> "_TurnedLines":
-        """Return the lines with their nodes at positions of shape (n, 2, 3), m."""
-        x, _, z = (values[:, 1] - values[:, 0]).T
-        return _TurnedLines(self, x, z)
+    def at(self, state: Array) -> "_TurnedLines":
+        """Return the lines in a state; see `dshell.assembly.Energy`."""
+        ends = state[coordinates_of(self.lines)]
+        x, _, z = (ends[:, 1] - ends[:, 0]).T
+        return _TurnedLines(self, len(state), x, z)
 
 
 @dataclass(frozen=True, eq=False)
 class _TurnedLines:
     load: EndMoment
+    size: int
     x: Array  # from the first node of each line to the second
     z: Array
 
@@ -61,16 +63,17 @@ class _TurnedLines:
         """See `dshell.assembly.Deformed`."""
         square = self.x**2 + self.z**2
         by_span = -self.load.moments * np.array([self.z, 0 * self.x, -self.x]) / square
-        return np.stack([-by_span.T, by_span.T], axis=1)
+        forces = np.stack([-by_span.T, by_span.T], axis=1)
+        return sum_at(coordinates_of(self.load.lines), forces, self.size)
 
-    def hessian(self) -> Array:
+    def hessian(self) -> list[Array]:
         """See `dshell.assembly.Deformed`."""
         both, apart, none = 2 * self.x * self.z, self.x**2 - self.z**2, 0 * self.x
         rows = np.array([[-both, none, apart], [none, none, none], [apart, none, both]])
         by_span = -self.load.moments * rows / (self.x**2 + self.z**2) ** 2
         signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
-        return np.einsum("ab,ijn->naibj", signs, by_span).reshape(len(self.x), 6, 6)
+        return [np.einsum("ab,ijn->naibj", signs, by_span).reshape(len(self.x), 6, 6)]
 
-    def convex_hessian(self) -> Array:
+    def convex_hessian(self) -> list[Array]:
         """Return nothing: half of the eigenvalues are negative, and all of them small."""
-        return np.zeros((len(self.x), 6, 6))
+        return [np.zeros((len(self.x), 6, 6))]

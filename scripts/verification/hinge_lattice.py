@@ -35,7 +35,7 @@ def lattice_energy(bent) -> float:
     mesh = hexagon(RINGS, EDGE)
     nodes = Topology.of(mesh.triangles).hinges
     lattice = Hinges(nodes, np.full(len(nodes), STIFFNESS), np.zeros(len(nodes)))
-    energy = lattice.at(bent(*mesh.points.T)[nodes]).energy().sum()
+    energy = lattice.at(bent(*mesh.points.T).reshape(-1)).energy().sum()
     area = len(nodes) * EDGE**2 / (2 * np.sqrt(3))  # of each hinge: a third of each triangle
     return float(energy / area / STIFFNESS / CURVATURE**2)
 
@@ -59,7 +59,7 @@ def stretching_poisson_ratio() -> float:
     flat = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     springs = EdgeSprings(edges, np.full(len(edges), STIFFNESS), np.full(len(edges), EDGE))
     along, equal = (
-        springs.at((flat * [1 + 1e-5, 1 + across, 1])[edges]).energy().sum()
+        springs.at((flat * [1 + 1e-5, 1 + across, 1]).reshape(-1)).energy().sum()
         for across in (0.0, 1e-5)
     )
     return float(equal / along / 2 - 1)

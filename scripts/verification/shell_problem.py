@@ -75,7 +75,7 @@ class Problem:
         return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
 
     def _solver(self) -> EquilibriumSolver:
-        assembly = Assembly(len(self.flat), [term.dofs for term in self.energies], self.held)
+        assembly = Assembly(len(self.flat), self.energies, self.held)
         return EquilibriumSolver(assembly, best_linear_solver())
 
 

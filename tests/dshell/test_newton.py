@@ -19,7 +19,7 @@ def column():
     springs = EdgeSprings(np.array([[0, 1], [1, 2]]), np.ones(2), np.ones(2))
     straight = np.array([0, 0, 0, 0.9, 0, 0, 1.8, 0, 0])
     held = [0, 1, 2, 6, 7, 8]
-    solver = EquilibriumSolver(Assembly(9, [springs.dofs], held), SuperLUSolver())
+    solver = EquilibriumSolver(Assembly(9, [springs], held), SuperLUSolver())
     return solver, Body([springs], np.zeros(9)), straight
 
 
