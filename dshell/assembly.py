@@ -2,17 +2,17 @@
 
 The state is a vector of degrees of freedom: the nodes' coordinates, node by node, and whatever
 else a model adds behind them. An energy is a sum over elements. Its second derivative is a sum of
-small matrices, each of which couples a few degrees of freedom, its stencil. Where each entry of
-each of them goes in the sparse matrix is found once; an assembly is then one `bincount` over all
-entries.
+small matrices, each of which couples a few degrees of freedom, its stencil. All are symmetric, so
+the lower halves tell all. Where each entry goes in the sparse matrix is found once; an assembly is
+then one `bincount` over all entries.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, tril
 
 Array = NDArray[np.float64]
 
@@ -81,9 +81,13 @@ class Assembly:
         self._diagonal_slots = slots[:count]
         self._slots = slots[count:]
         columns, rows = np.divmod(pattern[:stored], max(count, 1))
-        starts = np.searchsorted(columns, np.arange(count + 1))
+        numbers = csc_matrix((np.arange(stored) + 1, (rows, columns)), shape=(count, count))
+        whole = (numbers + tril(numbers, -1).T).tocsc()
+        whole.sort_indices()
+        self._slot_of_stored = whole.data - 1
         # SciPy would make 64-bit places shorter for every matrix
-        self._rows, self._column_starts = rows.astype(np.intc), starts.astype(np.intc)
+        self._rows = whole.indices.astype(np.intc)
+        self._column_starts = whole.indptr.astype(np.intc)
 
     def hessian(self, deformed: Sequence[Deformed], diagonal: Array | float = 0.0) -> csc_matrix:
         """Return the second derivative by the free dofs, N/m, plus a diagonal.
@@ -95,19 +99,18 @@ class Assembly:
         diagonal : (free dofs,) array of float or float
             Added to the diagonal, N/m.
         """
-        return self._matrix([part for term in deformed for part in term.hessian()], diagonal)
+        return self._matrix((part for term in deformed for part in term.hessian()), diagonal)
 
     def convex_hessian(self, deformed: Sequence[Deformed]) -> csc_matrix:
         """Return the like of `hessian` that has no negative eigenvalue."""
-        return self._matrix([part for term in deformed for part in term.convex_hessian()], 0.0)
+        return self._matrix((part for term in deformed for part in term.convex_hessian()), 0.0)
 
-    def _matrix(self, parts: list[Array], diagonal: Array | float) -> csc_matrix:
-        stored = len(self._rows)
-        values = np.concatenate([part.reshape(-1) for part in parts])
-        total = np.bincount(self._slots, values, minlength=stored + 1)
-        data = total[:stored].astype(np.float64, copy=False)
-        data[self._diagonal_slots] += diagonal
+    def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
+        values = np.concatenate([_lower_half(part).reshape(-1) for part in parts])
+        total = np.bincount(self._slots, values)
+        total[self._diagonal_slots] += diagonal
         size = len(self._column_starts) - 1
+        data = total[self._slot_of_stored]
         return csc_matrix((data, self._rows, self._column_starts), shape=(size, size))
 
 
@@ -144,6 +147,15 @@ def sum_at(dofs: NDArray[np.int64], values: Array, size: int) -> Array:
 
 
 def _entries(dofs: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """Return the number of each entry, column by column; size * size for those of held dofs."""
-    rows, columns = dofs[:, :, None], dofs[:, None, :]
-    return np.where((rows < 0) | (columns < 0), size * size, columns * size + rows).reshape(-1)
+    """Return the number of each entry in the lower half, by columns; size^2 for those held."""
+    row, column = np.tril_indices(dofs.shape[1])
+    one, other = dofs[:, row], dofs[:, column]
+    first, second = np.minimum(one, other), np.maximum(one, other)
+    return np.where(first < 0, size * size, first * size + second).reshape(-1)
+
+
+def _lower_half(matrices: Array) -> Array:
+    """Return the entries on and below the diagonal of symmetric matrices (n, k, k)."""
+    count, size = matrices.shape[:2]
+    row, column = np.tril_indices(size)
+    return matrices.reshape(count, -1)[:, row * size + column]
