@@ -42,7 +42,10 @@ class Energy(Protocol):
 
     @property
     def stencils(self) -> Sequence[NDArray[np.int64]]:
-        """Degrees of freedom that the parts of its Hessian couple, arrays of shape (n, k)."""
+        """Degrees of freedom that the parts of its Hessian couple, arrays of shape (n, k).
+
+        Where one stands twice in a row, the Hessian's entries between its two places are 0.
+        """
 
     def at(self, state: Array) -> Deformed:
         """Return the elements in a state: all degrees of freedom, m, shape (dofs,)."""
@@ -78,6 +81,7 @@ class Assembly:
         # the entries of held dofs are numbered past the last: they end in a slot of their own
         pattern, slots = np.unique(np.concatenate([diagonal, *entries]), return_inverse=True)
         stored = int(np.searchsorted(pattern, count * count))
+        self._slot_count = len(pattern)
         self._diagonal_slots = slots[:count]
         self._slots = slots[count:]
         columns, rows = np.divmod(pattern[:stored], max(count, 1))
@@ -107,7 +111,7 @@ class Assembly:
 
     def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
         values = np.concatenate([_lower_half(part).reshape(-1) for part in parts])
-        total = np.bincount(self._slots, values)
+        total = np.bincount(self._slots, values, minlength=self._slot_count)
         total[self._diagonal_slots] += diagonal
         size = len(self._column_starts) - 1
         data = total[self._slot_of_stored]

@@ -69,17 +69,18 @@ class MorleyFaces:
         x, y = self.flat.outward
         self.bending = np.stack([x * x, y * y, 2 * x * y]) / self.flat.areas
         self._nodes = np.column_stack([triangles, around.apexes])
-        self.extra_dofs = 3 * len(points) + around.edges.T
+        self.edge_dofs = 3 * len(points) + around.edges.T
+        """Displacements of the faces' edges in the state, (3, m)."""
         self._find_folds()
 
     def _find_folds(self) -> None:
         """Give a number to the fold over each edge, which one of its faces is the first to see."""
-        _, first, fold = np.unique(self.extra_dofs, return_index=True, return_inverse=True)
+        _, first, fold = np.unique(self.edge_dofs, return_index=True, return_inverse=True)
         edge, face = np.divmod(first, len(self._nodes))
         hinges = self._nodes[face[:, None], np.take(_FOLDS, edge, axis=0)]
         self.fold_dofs = fold_dofs(hinges)
         """Coordinates of the folds' nodes in the state, (3, 4, f)."""
-        self.folds = fold.reshape(self.extra_dofs.shape)
+        self.folds = fold.reshape(self.edge_dofs.shape)
         """The fold over each edge of each face, (3, m)."""
         seen = np.where(first[self.folds] == np.arange(fold.size).reshape(self.folds.shape), 0, 1)
         self.fold_nodes = np.take(_VIEWS, seen, axis=1) * len(first) + self.folds
@@ -88,11 +89,11 @@ class MorleyFaces:
         self.corner_dofs = np.ascontiguousarray(at_nodes[:, :3])
         """Coordinates of the faces' corners in the state, (3, 3, m): xyz, corner."""
         self.stencils = [
-            np.concatenate([at_nodes.reshape(_POSITIONS, -1), self.extra_dofs]).T,
+            np.concatenate([at_nodes.reshape(_POSITIONS, -1), self.edge_dofs]).T,
             self.fold_dofs.reshape(12, -1).T,
         ]
         self.force_dofs = np.concatenate(
-            [part.reshape(-1) for part in (self.corner_dofs, self.fold_dofs, self.extra_dofs)]
+            [part.reshape(-1) for part in (self.corner_dofs, self.fold_dofs, self.edge_dofs)]
         )
 
     def made_of(self, laminate: Laminate) -> "MorleyFaces":
@@ -107,7 +108,7 @@ class MorleyFaces:
         faces.laminate = self.laminate.part(block)
         faces.flat = self.flat.part(block)
         faces.turn_factors, faces.shares = self.turn_factors[:, block], self.shares[:, block]
-        faces.bending, faces.extra_dofs = self.bending[:, :, block], self.extra_dofs[:, block]
+        faces.bending, faces.edge_dofs = self.bending[:, :, block], self.edge_dofs[:, block]
         faces._nodes = self._nodes[block]
         faces._find_folds()
         return faces
@@ -134,7 +135,7 @@ class BentFaces:
         self._triangles = faces.flat.at(state[faces.corner_dofs])
         self._folds = Turn(state[faces.fold_dofs])
         turns = faces.turn_factors * self._folds.sharpness[faces.folds]
-        turns += faces.shares * state[faces.extra_dofs]
+        turns += faces.shares * state[faces.edge_dofs]
         curvature = (faces.bending * turns).sum(axis=1)
         self.strains = np.concatenate([self._triangles.strain(), curvature])
         """Strain and curvature (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy), shape (6, m)."""
