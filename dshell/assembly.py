@@ -8,7 +8,7 @@ then one `bincount` over all entries.
 """
 
 from collections.abc import Iterable, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class Energy(Protocol):
     def stencils(self) -> Sequence[NDArray[np.int64]]:
         """Degrees of freedom that the parts of its Hessian couple, arrays of shape (n, k).
 
-        Where one stands twice in a row, the Hessian's entries between its two places are 0.
+        A row may name one twice: around a node of three triangles, two neighbours have one apex.
         """
 
     def at(self, state: Array) -> Deformed:
@@ -77,6 +77,9 @@ class Assembly:
         number[self.free] = np.arange(count)
         stencils = [dofs for term in energies for dofs in term.stencils]
         entries = [_entries(number[dofs], count) for dofs in stencils]
+        # between two places of one dof the lower half has one entry of two, both on the diagonal
+        twice = [_lower_half(_named_twice(dofs)).reshape(-1) for dofs in stencils]
+        self._twice = np.flatnonzero(np.concatenate(twice))
         diagonal = np.arange(count) * (count + 1)
         # the entries of held dofs are numbered past the last: they end in a slot of their own
         pattern, slots = np.unique(np.concatenate([diagonal, *entries]), return_inverse=True)
@@ -111,6 +114,7 @@ class Assembly:
 
     def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
         values = np.concatenate([_lower_half(part).reshape(-1) for part in parts])
+        values[self._twice] *= 2
         total = np.bincount(self._slots, values, minlength=self._slot_count)
         total[self._diagonal_slots] += diagonal
         size = len(self._column_starts) - 1
@@ -125,7 +129,10 @@ def deform(energies: Sequence[Energy], state: Array) -> list[Deformed]:
 
 def gradient_of(deformed: Sequence[Deformed]) -> Array:
     """Return the derivative of some energies in one state by all dofs, N, shape (dofs,)."""
-    return np.sum([part.gradient() for part in deformed], axis=0)
+    total = deformed[0].gradient()
+    for part in deformed[1:]:
+        total += part.gradient()
+    return total
 
 
 def energy_sums(deformed: Sequence[Deformed]) -> list[float]:
@@ -158,7 +165,12 @@ def _entries(dofs: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     return np.where(first < 0, size * size, first * size + second).reshape(-1)
 
 
-def _lower_half(matrices: Array) -> Array:
+def _named_twice(dofs: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which entries (n, k, k) off a stencil's diagonal belong to one degree of freedom."""
+    return (dofs[:, :, None] == dofs[:, None, :]) & ~np.eye(dofs.shape[1], dtype=bool)
+
+
+def _lower_half(matrices: NDArray[Any]) -> NDArray[Any]:
     """Return the entries on and below the diagonal of symmetric matrices (n, k, k)."""
     count, size = matrices.shape[:2]
     row, column = np.tril_indices(size)

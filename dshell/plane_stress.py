@@ -161,7 +161,8 @@ class _MooneyRivlinState:
             slope, bend = self._volume_derivatives(r)
             step = slope / bend
             r = np.maximum(r - step, 0.8 * r)
-            if not np.any(np.abs(step) > _VOLUME_TOLERANCE * r):
+            # what is turned inside out has infinite energy, whatever its r
+            if not np.any((np.abs(step) > _VOLUME_TOLERANCE * r) & (self._D > 0)):
                 break
         return r
 

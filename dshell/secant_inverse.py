@@ -34,7 +34,7 @@ class SecantInverse:
 
     def observe(self, step: Array, change: Array) -> None:
         """Learn from a step, m, and the change of the residual force over it, N, each (n,)."""
-        product = float(step @ change)
+        product = _dot(step, change)
         if product > LEAST_COSINE * np.linalg.norm(step) * np.linalg.norm(change):
             self._seen.append((step, change, product))
 
@@ -43,10 +43,18 @@ class SecantInverse:
         left = right_side
         shares = []
         for step, change, product in reversed(self._seen):
-            share = (step @ left) / product
+            share = _dot(step, left) / product
             left = left - share * change
             shares.append(share)
         solution = self._factor.solve(left)
         for (step, change, product), share in zip(self._seen, reversed(shares), strict=True):
-            solution += (share - (change @ solution) / product) * step
+            solution += (share - _dot(change, solution) / product) * step
         return solution
+
+
+def _dot(a: Array, b: Array) -> float:
+    """Return a . b; by BLAS it would depend on where the vectors lie in memory, in its last bits.
+
+    Where a shape wanders, those bits decide the way, and no run would repeat another.
+    """
+    return float((a * b).sum())

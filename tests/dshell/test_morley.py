@@ -98,6 +98,23 @@ def test_blocks_of_faces_are_the_faces(faces, state, size):
         assert abs(difference).max() < 1e-11 * abs(values).max(), name
 
 
+def test_around_a_node_of_three_triangles_two_neighbours_have_one_apex(faces):
+    rng = np.random.default_rng(7)
+    points = np.array([[0.1, 0.2], [4, -2], [0.5, 4], [-4, -3.0]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1]])
+    three = MorleyFaces(
+        points, triangles, replace(faces.laminate, layers=faces.laminate.layers[:1])
+    )
+    state = rng.uniform(-0.3, 0.3, 3 * len(points) + three.edge_count)
+    state[: 3 * len(points)].reshape(-1, 3)[:, :2] += points
+    assembly = Assembly(len(state), [three])
+    hessian = assembly.hessian([three.at(state)]).toarray()
+    expected = derivative(lambda x: three.at(x).gradient(), state, 1e-3)
+    assert np.abs(hessian - expected).max() < 1e-7 * np.abs(hessian).max()
+    convex = assembly.convex_hessian([three.at(state)]).toarray()
+    assert np.linalg.eigvalsh(convex)[0] > -1e-9 * np.abs(convex).max()
+
+
 def test_faces_of_a_layer_out_of_order_are_refused(faces):
     kirigami = faces.laminate.layers[1]
     with pytest.raises(InputError, match="faces of the layer kirigami: expected in ascending"):

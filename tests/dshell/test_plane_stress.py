@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean
+from dshell import plane_stress
 from dshell.plane_stress import plane_stress_law
 
 C10, C01 = 4839.1, 14536.0  # Pa, the substrate of the verification ladder
@@ -132,3 +133,28 @@ def test_linear_prestress_is_hookes():
 def test_other_materials_are_refused():
     with pytest.raises(InputError, match="no plane-stress law"):
         plane_stress_law("rubber")
+
+
+def iterations_of_the_volume(law, strain, monkeypatch):
+    counted = []
+    derivatives = plane_stress._MooneyRivlinState._volume_derivatives
+
+    def counting(state, r):
+        counted.append(r)
+        return derivatives(state, r)
+
+    monkeypatch.setattr(plane_stress._MooneyRivlinState, "_volume_derivatives", counting)
+    law.at(strain, PRESTRETCH)
+    return len(counted)
+
+
+def test_a_stiff_volume_is_found_at_once(strain, monkeypatch):
+    law = plane_stress_law(COMPRESSIBLE)
+    assert iterations_of_the_volume(law, strain, monkeypatch) <= 2  # from r = 1 it takes 4
+
+
+def test_nobody_waits_for_the_volume_of_what_is_turned_inside_out(strain, monkeypatch):
+    law = plane_stress_law(COMPRESSIBLE)
+    turned = np.column_stack([strain, [-0.9, 0.4, 0.0]])
+    assert law.at(turned, PRESTRETCH).energy()[-1] == np.inf
+    assert iterations_of_the_volume(law, turned, monkeypatch) <= 2
