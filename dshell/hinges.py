@@ -155,12 +155,8 @@ class Fold:
 def fold_product(left: Array, right: Array) -> Array:
     """Return S[L^T R] of rows of shape (r, 3, 4, h), shape (h, 12, 12): x of the nodes, y, z."""
     rows = (side.reshape(len(side), 12, -1).transpose(2, 0, 1) for side in (left, right))
-    return symmetric_product(*map(np.ascontiguousarray, rows))
-
-
-def symmetric_product(left: Array, right: Array) -> Array:
-    """Return S[L^T R] of rows of shape (n, r, k), symmetric, shape (n, k, k)."""
-    half = left.transpose(0, 2, 1) @ right
+    one, other = map(np.ascontiguousarray, rows)
+    half = one.transpose(0, 2, 1) @ other
     return half + half.transpose(0, 2, 1)
 
 
