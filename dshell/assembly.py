@@ -8,7 +8,7 @@ then one `bincount` over all entries.
 """
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,9 +76,7 @@ class Assembly:
         number = np.full(size, -1)
         number[self.free] = np.arange(count)
         stencils = [dofs for term in energies for dofs in term.stencils]
-        entries = [_entries(number[dofs], count) for dofs in stencils]
-        # between two places of one dof the lower half has one entry of two, both on the diagonal
-        twice = [_lower_half(_named_twice(dofs)).reshape(-1) for dofs in stencils]
+        entries, twice = zip(*(_entries(number[dofs], count) for dofs in stencils), strict=True)
         self._twice = np.flatnonzero(np.concatenate(twice))
         diagonal = np.arange(count) * (count + 1)
         # the entries of held dofs are numbered past the last: they end in a slot of their own
@@ -157,20 +155,20 @@ def sum_at(dofs: NDArray[np.int64], values: Array, size: int) -> Array:
     return total.astype(np.float64, copy=False)
 
 
-def _entries(dofs: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """Return the number of each entry in the lower half, by columns; size^2 for those held."""
+def _entries(dofs: NDArray[np.int64], size: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the number of each entry in the lower half, by columns, and which counts twice.
+
+    The number is size^2 for held dofs. Between two places of one dof the lower half has one entry
+    of two, both of which go on the diagonal.
+    """
     row, column = np.tril_indices(dofs.shape[1])
     one, other = dofs[:, row], dofs[:, column]
     first, second = np.minimum(one, other), np.maximum(one, other)
-    return np.where(first < 0, size * size, first * size + second).reshape(-1)
+    numbers = np.where(first < 0, size * size, first * size + second)
+    return numbers.reshape(-1), ((one == other) & (row != column)).reshape(-1)
 
 
-def _named_twice(dofs: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which entries (n, k, k) off a stencil's diagonal belong to one degree of freedom."""
-    return (dofs[:, :, None] == dofs[:, None, :]) & ~np.eye(dofs.shape[1], dtype=bool)
-
-
-def _lower_half(matrices: NDArray[Any]) -> NDArray[Any]:
+def _lower_half(matrices: Array) -> Array:
     """Return the entries on and below the diagonal of symmetric matrices (n, k, k)."""
     count, size = matrices.shape[:2]
     row, column = np.tril_indices(size)

@@ -4,6 +4,7 @@ E = k/2 (l / L - 1)^2,    l = |x1 - x0|, L the natural length.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -33,10 +34,15 @@ class EdgeSprings:
     natural_length: Array
     name: ClassVar[str] = "stretching"
 
+    @cached_property
+    def dofs(self) -> NDArray[np.int64]:
+        """Coordinates of each spring's ends in the state, (e, 2, 3)."""
+        return coordinates_of(self.nodes)
+
     @property
     def stencils(self) -> list[NDArray[np.int64]]:
-        """Coordinates of each spring's ends in the state, (e, 6)."""
-        return [coordinates_of(self.nodes).reshape(-1, 6)]
+        """The same, (e, 6); see `dshell.assembly.Energy`."""
+        return [self.dofs.reshape(-1, 6)]
 
     def at(self, state: Array) -> "_StretchedSprings":
         """Return the springs in a state; see `dshell.assembly.Energy`."""
@@ -47,8 +53,7 @@ class _StretchedSprings:
     def __init__(self, springs: EdgeSprings, state: Array) -> None:
         self._springs = springs
         self._size = len(state)
-        self._dofs = coordinates_of(springs.nodes)
-        corners = state[self._dofs]
+        corners = state[springs.dofs]
         edge = corners[:, 1] - corners[:, 0]
         self._length = np.sqrt((edge * edge).sum(axis=1))
         self._along = edge / self._length[:, None]
@@ -62,7 +67,7 @@ class _StretchedSprings:
     def gradient(self) -> Array:
         """See `dshell.assembly.Deformed`."""
         pull = (self._tension[:, None] * self._along)[:, None, :]
-        return sum_at(self._dofs, np.concatenate([-pull, pull], axis=1), self._size)
+        return sum_at(self._springs.dofs, np.concatenate([-pull, pull], axis=1), self._size)
 
     def hessian(self) -> list[Array]:
         """See `dshell.assembly.Deformed`."""

@@ -48,10 +48,15 @@ class Hinges:
     natural_angle: Array
     name: ClassVar[str] = "bending"
 
+    @cached_property
+    def dofs(self) -> NDArray[np.int64]:
+        """Coordinates of each hinge's nodes in the state, (3, 4, h)."""
+        return fold_dofs(self.nodes)
+
     @property
     def stencils(self) -> list[NDArray[np.int64]]:
-        """Coordinates of each hinge's nodes in the state, all x first, then y, z, (h, 12)."""
-        return [fold_dofs(self.nodes).reshape(12, -1).T]
+        """The same, all x first, then y, z, (h, 12); see `dshell.assembly.Energy`."""
+        return [self.dofs.reshape(12, -1).T]
 
     def at(self, state: Array) -> "_TurnedHinges":
         """Return the hinges in a state; see `dshell.assembly.Energy`."""
@@ -62,8 +67,7 @@ class _TurnedHinges:
     def __init__(self, hinges: Hinges, state: Array) -> None:
         self._hinges = hinges
         self._size = len(state)
-        self._dofs = fold_dofs(hinges.nodes)
-        self._fold = Fold(state[self._dofs])
+        self._fold = Fold(state[hinges.dofs])
         self._turn = self._fold.angle - hinges.natural_angle
 
     def energy(self) -> Array:
@@ -73,7 +77,7 @@ class _TurnedHinges:
     def gradient(self) -> Array:
         """See `dshell.assembly.Deformed`."""
         forces = self._hinges.stiffness * self._turn * self._fold.gradient
-        return sum_at(self._dofs, forces, self._size)
+        return sum_at(self._hinges.dofs, forces, self._size)
 
     def hessian(self) -> list[Array]:
         """See `dshell.assembly.Deformed`."""
