@@ -16,10 +16,11 @@ enter_root() {  # root, command...
     exec {lock}<"$root"
     flock --shared "$lock"  # inherited by COMMAND: its root is not removed while it runs
     mapfile -d '' -t view < <(view_of "$root")
+    # A pipe, not `read < <(...)` and a wait for it: bash 5.2 may have reaped that child already, and
+    # the wait then fails.
     # shellcheck disable=SC2016
-    read -r holder < <(bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- &) ||
-        fail 1 "bubblewrap could not enter $root"
-    wait $!
+    holder=$({ bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- & } | head -n 1)
+    [[ -n $holder ]] || fail 1 "bubblewrap could not enter $root"
     set_root_variables "$root"
     # shellcheck disable=SC2016
     exec "${join[@]}" --target "$holder" /bin/sh -c '

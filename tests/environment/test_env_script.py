@@ -427,6 +427,15 @@ def test_downloads_of_a_broken_build_are_given_to_the_next(machine):
     assert not (machine.cache / "packages").exists()
 
 
+def test_a_root_that_cannot_be_entered_is_one_line(machine):
+    machine.finish()
+    machine.command("bwrap", "#!/bin/sh\nexit 1\n")
+    status, output, errors = machine.finish()
+    assert (status, output) == (1, "")
+    assert "bubblewrap could not enter" in errors
+    assert is_one_line(errors)
+
+
 def test_two_starts_at_once_build_once(machine):
     machine.takes(2)
     first = machine.start_and_wait_until_it_builds()
