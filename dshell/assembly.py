@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, tril
+from scipy.sparse import csc_matrix, csr_matrix, tril
 
 Array = NDArray[np.float64]
 
@@ -73,20 +73,19 @@ class Assembly:
         self.size = size
         self.free = np.setdiff1d(np.arange(size), held)
         count = len(self.free)
-        number = np.full(size, -1)
+        number = np.full(size, count, dtype=np.intc)  # of the held dofs: past the last
         number[self.free] = np.arange(count)
-        stencils = [dofs for term in energies for dofs in term.stencils]
-        entries, twice = zip(*(_entries(number[dofs], count) for dofs in stencils), strict=True)
-        self._twice = np.flatnonzero(np.concatenate(twice))
-        diagonal = np.arange(count) * (count + 1)
-        # the entries of held dofs are numbered past the last: they end in a slot of their own
-        pattern, slots = np.unique(np.concatenate([diagonal, *entries]), return_inverse=True)
-        stored = int(np.searchsorted(pattern, count * count))
-        self._slot_count = len(pattern)
-        self._diagonal_slots = slots[:count]
-        self._slots = slots[count:]
-        columns, rows = np.divmod(pattern[:stored], max(count, 1))
-        numbers = csc_matrix((np.arange(stored) + 1, (rows, columns)), shape=(count, count))
+        diagonal = np.arange(count, dtype=np.intc)
+        halves = [_lower_places(number[dofs]) for term in energies for dofs in term.stencils]
+        twice, rows, columns = (np.concatenate(parts) for parts in zip(*halves, strict=True))
+        self._twice = np.flatnonzero(twice)
+        rows, columns = np.concatenate([diagonal, rows]), np.concatenate([diagonal, columns])
+        slots, rows, columns = _distinct(rows, columns, count + 1)
+        self._slot_count = len(rows)
+        self._diagonal_slots, self._slots = slots[:count], slots[count:]
+        stored = rows < count  # the entries of held dofs have a slot, but no place in the matrix
+        place = rows[stored], columns[stored]
+        numbers = csc_matrix((np.flatnonzero(stored) + 1, place), shape=(count, count))
         whole = (numbers + tril(numbers, -1).T).tocsc()
         whole.sort_indices()
         self._slot_of_stored = whole.data - 1
@@ -155,17 +154,41 @@ def sum_at(dofs: NDArray[np.int64], values: Array, size: int) -> Array:
     return total.astype(np.float64, copy=False)
 
 
-def _entries(dofs: NDArray[np.int64], size: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the number of each entry in the lower half, by columns, and which counts twice.
+def _lower_places(
+    dofs: NDArray[np.intc],
+) -> tuple[NDArray[np.bool_], NDArray[np.intc], NDArray[np.intc]]:
+    """Return which entries of a stencil's lower half count twice, and the row and column of each.
 
-    The number is size^2 for held dofs. Between two places of one dof the lower half has one entry
-    of two, both of which go on the diagonal.
+    Between two places of one dof the lower half has one entry of two, both of which go on the
+    diagonal.
     """
     row, column = np.tril_indices(dofs.shape[1])
-    one, other = dofs[:, row], dofs[:, column]
-    first, second = np.minimum(one, other), np.maximum(one, other)
-    numbers = np.where(first < 0, size * size, first * size + second)
-    return numbers.reshape(-1), ((one == other) & (row != column)).reshape(-1)
+    one, other = dofs[:, row].reshape(-1), dofs[:, column].reshape(-1)
+    twice = (one == other) & np.tile(row != column, len(dofs))
+    return twice, np.maximum(one, other), np.minimum(one, other)
+
+
+def _distinct(
+    rows: NDArray[np.intc], columns: NDArray[np.intc], size: int
+) -> tuple[NDArray[np.int64], NDArray[np.intc], NDArray[np.intc]]:
+    """Return each place's number among the distinct ones, and these, by columns, then rows."""
+    order = _counting_order(rows, size)
+    order = order[_counting_order(columns[order], size)]
+    rows, columns = rows[order], columns[order]
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = (rows[1:] != rows[:-1]) | (columns[1:] != columns[:-1])
+    numbers = np.empty(len(order), dtype=np.int64)
+    numbers[order] = np.cumsum(new) - 1
+    return numbers, rows[new], columns[new]
+
+
+def _counting_order(keys: NDArray[np.intc], size: int) -> NDArray[np.intc]:
+    """Return the order that sorts numbers below `size`, like ones as they come.
+
+    SciPy gathers a matrix's entries by rows in linear time: here one entry for each key.
+    """
+    places = np.arange(len(keys), dtype=np.intc)
+    return csr_matrix((places, (keys, places)), shape=(size, len(keys))).data
 
 
 def _lower_half(matrices: Array) -> Array:

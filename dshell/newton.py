@@ -2,7 +2,7 @@
 
 Each iteration factorises the exact Hessian; where that has a negative eigenvalue, its convex
 relative instead, so that the step always goes downhill. Steps are capped in length and shortened
-until the energy falls enough (Armijo).
+until the energy falls enough (Armijo); a whole one must not make the residual force much larger.
 
 A thin shell bends easily and stretches hardly, so a straight step that turns it also stretches it,
 and the line search would allow only short ones (the Maratos effect). Corrections with the same
@@ -38,6 +38,9 @@ MODE_RESTARTS = 3
 stand apart and take no more; others took thousands of solutions on a fine mesh."""
 CORRECTIONS = 8
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
+TOO_FAR = 3.0
+"""Growth of the residual force over a whole step and its corrections. What comes after is often
+indefinite, which costs several iterations; half the step costs none."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
 """Of a correction, tried in this order until the energy falls."""
 ENERGY_NOISE = 1e-6
@@ -269,7 +272,8 @@ class EquilibriumSolver:
         while share > SHORTEST_STEP:
             there = self._corrected(here, share * step, factor, limits)
             change = there.energy - here.energy
-            if change <= SUFFICIENT_DECREASE * share * slope:
+            too_far = share == 1.0 and there.error > TOO_FAR * here.error
+            if change <= SUFFICIENT_DECREASE * share * slope and not too_far:
                 return there
             if abs(change) <= ENERGY_NOISE * here.energy_scale and there.error < 0.5 * here.error:
                 return there

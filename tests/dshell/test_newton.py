@@ -56,6 +56,36 @@ def test_plain_steps_balance_the_straight_column_though_it_is_unstable(column):
     assert solver.unstable_modes(body, outcome.state) == 2
 
 
+class SoftThenStiff:
+    """A spring that is soft up to a length and stiff beyond: one degree of freedom x, E(x)."""
+
+    name = "elastic"
+    stencils = (np.array([[0]]),)
+
+    def at(self, state):
+        self._x, self._beyond = state[0], max(state[0] - 1.8, 0)
+        return self
+
+    def energy(self):
+        return np.array([0.25 * self._x**2 + 20 * self._beyond**2])
+
+    def gradient(self):
+        return np.array([0.5 * self._x + 40 * self._beyond])
+
+    def hessian(self):
+        return [np.array([[[40.5 if self._beyond else 0.5]]])]
+
+    convex_hessian = hessian
+
+
+def test_a_whole_step_that_comes_too_far_is_halved():
+    """To x = 2 the energy falls, but the force grows from 1 to 8 N."""
+    pulled = Body([SoftThenStiff()], np.array([1.0]))
+    solver = EquilibriumSolver(Assembly(1, pulled.energies), SuperLUSolver())
+    outcome = solver.settle([pulled], np.zeros(1), NewtonLimits(1e-9, 1, 100.0))
+    assert outcome.residual < 1
+
+
 class GrownMiddle:
     """A flat lattice whose middle grows: flat it is in equilibrium, and unstable."""
 
