@@ -1,6 +1,7 @@
 """Parsing the words of a verb: its options, those that all verbs share, and its errors."""
 
 import argparse
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
@@ -52,7 +53,8 @@ def add_specimen_arguments(verb: Parser) -> None:
     verb.add_argument("--mesh-size", metavar="M", help="edge length of the planar mesh, m")
     verb.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="replace one value of the specimen, as in --set substrate.thickness=0.0008",
+        help="replace one value of the specimen, as in --set substrate.thickness=0.0008, or of the "
+        "solver's settings, as in --set solver.tolerance=1e-9",
     )  # fmt: skip
 
 
@@ -108,7 +110,9 @@ def _check_cut(file: str, mesh: PlanarMesh, specimen: Specimen) -> None:
 
 
 def _milestone(word: str) -> Any:
-    """Read L or LX,LY."""
+    """Read L or LX,LY; "1,06" is a decimal comma, not a stretch of 6."""
+    if re.search(r",0\d", word):
+        raise InputError(f"--prestretch {word}: expected a decimal point, not a comma")
     try:
         numbers = tuple(float(part) for part in word.split(","))
     except ValueError:

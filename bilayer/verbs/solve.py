@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bilayer.errors import Interrupted
+from bilayer.errors import InputError, Interrupted
 from bilayer.output_file import check_writable
 from bilayer.progress import progress_bar
 from bilayer.ranks import is_first_rank, join_mpi
@@ -51,6 +51,8 @@ def run(options: argparse.Namespace) -> int:
         return 0  # the first rank computes alone
     check_writable(Path(options.output))
     values, overrides = split_solver_settings(options.overrides)
+    if "model" in values:
+        raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")
     specimen = specimen_of(options, overrides)
     settings: Any = settings_from(settings_kind(options.solver, options.model), values)
     mesh = None if options.mesh is None else mesh_of(options, specimen)

@@ -134,6 +134,8 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ([*SHELL, "-o", "a.nc", "--prestretch", "1e300"], "expected stretches from 0.1 to 10"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1.06] #"], "expected a number, or two as LX,LY"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1,2,3"], "one number or"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "1,06"], "expected a decimal point"),
+        ([*SHELL, "-o", "a.nc", "--set", "solver.model=hinge"], "expected as --model"),
         ([*SHELL, "-o", f"{'a' * 300}.nc"], "cannot be made"),
         ([*SHELL, "-o", "/proc/a.nc"], "cannot be made"),
         ([*SHELL, "-o", "a.nc", "--set", "mesh.corner_size=1e-9"], "triangles would take"),
