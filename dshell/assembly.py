@@ -112,7 +112,7 @@ class Assembly:
     def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
         values = np.concatenate([_lower_half(part).reshape(-1) for part in parts])
         values[self._twice] *= 2
-        total = np.bincount(self._slots, values, minlength=self._slot_count)
+        total = sum_at(self._slots, values, self._slot_count)
         total[self._diagonal_slots] += diagonal
         size = len(self._column_starts) - 1
         data = total[self._slot_of_stored]
