@@ -1,6 +1,7 @@
-"""The progress bar of a run, on stderr, where a person looks at it."""
+"""How far a run is, on stderr: a bar where a person looks at it, now and then a line in a log."""
 
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -8,25 +9,31 @@ from tqdm import tqdm
 
 from bilayer.solvers import Progress
 
+SECONDS_BETWEEN_LINES = 30.0
+"""In a log; a run that takes less says nothing there."""
+
 
 @contextmanager
 def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
-    """Give a progress callback that draws a bar on a terminal, and nothing elsewhere.
+    """Give a progress callback that draws a bar on a terminal, and writes lines elsewhere.
 
     Parameters
     ----------
     title : str
-        Stands before the bar.
+        Stands before the bar, and in every line.
     shown : bool
-        False draws nothing.
+        False shows nothing.
     """
+    if shown and not sys.stderr.isatty():
+        yield _lines(title)
+        return
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining} {postfix}"
     with tqdm(
         total=100,
         unit="%",
         desc=title,
         bar_format=layout,
-        disable=None if shown else True,  # None: disabled where stderr is no terminal
+        disable=not shown,
         file=sys.stderr,
         dynamic_ncols=True,
     ) as bar:
@@ -36,3 +43,16 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
             bar.update(max(int(100 * fraction) - bar.n, 0))
 
         yield progress
+
+
+def _lines(title: str) -> Progress:
+    begin = last = time.monotonic()
+
+    def progress(fraction: float, message: str) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= SECONDS_BETWEEN_LINES:
+            last = now
+            print(f"{title}: {fraction:.0%}, {message}, {now - begin:.0f} s", file=sys.stderr)
+
+    return progress
