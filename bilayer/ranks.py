@@ -34,6 +34,12 @@ def is_first_rank() -> bool:
     return _world_rank() == 0
 
 
+def has_other_ranks() -> bool:
+    """Whether this process computes together with others."""
+    communicator = _communicator()
+    return communicator is not None and communicator.Get_size() > 1
+
+
 def _world_rank() -> int:
     communicator = _communicator()
     return 0 if communicator is None else communicator.Get_rank()
@@ -55,6 +61,5 @@ def _communicator() -> Any:
 
 def abort_other_ranks() -> None:
     """End the ranks that would wait for ever for one that met an unexpected error."""
-    communicator = _communicator()
-    if communicator is not None and communicator.Get_size() > 1:
-        communicator.Abort(1)
+    if has_other_ranks():
+        _communicator().Abort(1)

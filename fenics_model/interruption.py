@@ -1,4 +1,7 @@
-"""Ctrl-C while PETSc computes: an exception may not pass through it, so it is put off."""
+"""Ctrl-C while PETSc computes: an exception may not pass through it, so it is put off.
+
+So is the signal that ends a job, where it is taken as Ctrl-C (`bilayer.termination`).
+"""
 
 import signal
 import threading
@@ -6,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 @dataclass
@@ -23,21 +28,24 @@ def interruption_put_off() -> Iterator[Interruption]:
     computes, nothing changes.
     """
     interruption = Interruption()
-    usual = signal.getsignal(signal.SIGINT)
-    if usual is not signal.default_int_handler or not _is_main_thread():
-        yield interruption
-        return
 
     def note(number: int, frame: Any) -> None:
         interruption.asked_for = True
 
-    signal.signal(signal.SIGINT, note)
+    raising = [number for number in SIGNALS if _raises(number)] if _is_main_thread() else []
+    for number in raising:
+        signal.signal(number, note)
     try:
         yield interruption
     finally:
-        signal.signal(signal.SIGINT, usual)
+        for number in raising:
+            signal.signal(number, signal.default_int_handler)
     if interruption.asked_for:
         raise KeyboardInterrupt
+
+
+def _raises(number: int) -> bool:
+    return signal.getsignal(number) is signal.default_int_handler
 
 
 def _is_main_thread() -> bool:

@@ -13,6 +13,7 @@ from bilayer.report import result_table
 from bilayer.result import open_result, write_result
 from bilayer.settings import describe, settings_from, split_solver_settings
 from bilayer.solvers import SOLVERS, STARTS, settings_kind, solve, solver_package
+from bilayer.termination import termination_as_ctrl_c
 from bilayer.verbs.parser import (
     add_case_arguments,
     add_specimen_arguments,
@@ -59,7 +60,10 @@ def run(options: argparse.Namespace) -> int:
     start = options.start if options.start in (None, *STARTS) else open_result(options.start)
     if options.verbose and first:
         print(settings, file=sys.stderr)
-    with progress_bar(options.solver, shown=first and not options.quiet) as progress:
+    with (
+        termination_as_ctrl_c(),
+        progress_bar(options.solver, shown=first and not options.quiet) as progress,
+    ):
         try:
             result = solve(
                 specimen, options.solver, settings, mesh=mesh, start=start, progress=progress

@@ -70,8 +70,9 @@ def test_a_failed_run_leaves_nothing_behind(mesh):
         assert result["iterations"].values.tolist() == alone["iterations"].values.tolist()
 
 
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("within_petsc", [False, True])
-def test_an_interruption_keeps_the_milestones_done(mesh, monkeypatch, within_petsc):
+def test_an_interruption_keeps_the_milestones_done(mesh, monkeypatch, within_petsc, sent):
     usual = ExtrapolatedTangent.advance
 
     def interrupt(fraction, message):
@@ -80,18 +81,18 @@ def test_an_interruption_keeps_the_milestones_done(mesh, monkeypatch, within_pet
         if within_petsc:
             monkeypatch.setattr(ExtrapolatedTangent, "advance", interrupted_advance)
         else:
-            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), sent)
 
     def interrupted_advance(self):
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), sent)
         usual(self)
 
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    before = signal.signal(sent, signal.default_int_handler)
     try:
         with pytest.raises(Interrupted) as raised:
             solve(COARSE.with_milestones([1.01, 1.02, 1.03]), mesh=mesh, progress=interrupt)
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(sent, before)
         monkeypatch.undo()
     kept = raised.value.result
     assert kept["converged"].values[0] == 1
