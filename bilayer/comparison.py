@@ -146,7 +146,8 @@ def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
     if not first.same_as(second):
         raise InputError(
             f"the planar meshes differ ({len(first.triangles)} triangles in the first result, "
-            f"{len(second.triangles)} in the second): expected results on the same mesh"
+            f"{len(second.triangles)} in the second): expected results on the same mesh, as by "
+            "solve --mesh FILE.nc with the other result's file"
         )
 
 

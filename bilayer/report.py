@@ -50,10 +50,19 @@ def provenance(result: xr.Dataset) -> str:
         f"git commit  {result.attrs['git_commit'] or 'unknown'}",
         f"milestones  {done} of {result.sizes['prestretch']} reached",
         *effort_lines(result),
+        f"energy      {_energies(result)}",
     ]
     if result.attrs["stop_reason"]:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
     return "\n".join([*lines, "", result_table(result), "", trust(result)])
+
+
+def _energies(result: xr.Dataset) -> str:
+    """Return the sum of the energy terms (a weight has none) at each milestone reached."""
+    total = 1e3 * result["energy"].sum("term", skipna=False).values[result["converged"].values == 1]
+    if len(total) == 0 or result.sizes["term"] == 0:
+        return "unknown"
+    return ", ".join(f"{energy:.5g}" for energy in total) + " mJ"
 
 
 def contact_words(result: xr.Dataset) -> list[str]:

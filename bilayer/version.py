@@ -10,9 +10,14 @@ __version__ = "0.1.0"
 COMMIT_FILE = Path(__file__).with_name("COMMIT")
 """Written where the package is installed without its repository, as in the Docker image."""
 
+MAKERS = (".", ":(exclude)results")
+"""Whose changes count: `scripts/reproduce` writes into results/, which makes nothing else."""
+
 
 def git_commit() -> str:
     """Return the commit of the checkout that holds this package, or an empty text.
+
+    It ends in "-dirty" where what makes results has been changed since.
 
     An installed package has no checkout; it may have been told its commit when it was built.
     """
@@ -21,11 +26,17 @@ def git_commit() -> str:
     checkout = Path(__file__).parents[1]
     if not (checkout / ".git").exists():  # another project's repository may be further up
         return ""
-    command = ["git", "-C", str(checkout), "describe", "--always", "--dirty"]
     try:
-        found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        commit = _git(checkout, "describe", "--always")
+        changed = _git(checkout, "status", "--porcelain", "--untracked-files=no", "--", *MAKERS)
     except (OSError, subprocess.SubprocessError):
         return ""
+    return f"{commit}-dirty" if changed else commit
+
+
+def _git(checkout: Path, *words: str) -> str:
+    command = ["git", "-C", str(checkout), *words]
+    found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
     return found.stdout.strip()
 
 

@@ -70,12 +70,18 @@ def run(options: argparse.Namespace) -> int:
             )
         except Interrupted as interrupted:
             write_result(interrupted.result, options.output)
+            _tell_what_is_kept(interrupted.result, options.output)
             raise
     if first:
         write_result(result, options.output)
         if not options.quiet:
             print(result_table(result))
     return _status_of(result, settings, told=first)
+
+
+def _tell_what_is_kept(result: Any, file: str) -> None:
+    done = f"{int(result['converged'].sum())} of {result.sizes['prestretch']}"
+    print(f"bilayer: interrupted; {file} has {done} milestones", file=sys.stderr)
 
 
 def _describe_settings() -> str:

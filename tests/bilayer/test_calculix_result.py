@@ -172,6 +172,7 @@ def test_import_writes_a_result_that_the_other_verbs_read(run, words, capsys):
     assert main(["plot", output, "-o", str(run.with_suffix(".png"))]) == 0
     assert run.with_suffix(".png").stat().st_size > 1000
     printed = capsys.readouterr().out
+    assert "energy      unknown" in printed
     assert "solver      calculix, model wedge" in printed
     assert float(open_result(output)["height"][0]) > 0.01
 

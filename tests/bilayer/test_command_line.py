@@ -100,6 +100,8 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
     told = capsys.readouterr().out
     for word in ("dshell", "paper", "versions", "git commit", "2 of 2 reached"):
         assert word in told
+    energy = 1e3 * open_result(shell_file)["energy"].values.sum(axis=1)
+    assert f"energy      {energy[0]:.5g}, {energy[1]:.5g} mJ" in told
     assert {path.suffix for path in folder.iterdir()} >= {".png", ".vtu"}
 
 

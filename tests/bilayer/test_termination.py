@@ -31,6 +31,9 @@ def test_sigterm_keeps_the_milestones_done(tmp_path, capsys, monkeypatch, model)
     stones = ["--prestretch", "1.01", "1.02", "1.03"]
     assert main(["solve", "specimen.toml", *words, *stones]) == 130
     kept = open_result("shell.nc")
+    done = kept["converged"].values.sum()
+    told = capsys.readouterr().err
+    assert told == f"bilayer: interrupted; shell.nc has {done} of 3 milestones\n"
     assert kept.attrs["stop_reason"] == "interrupted"
     assert kept["converged"].values.tolist()[::2] == [1, 0]
     assert signal.getsignal(signal.SIGTERM) is before

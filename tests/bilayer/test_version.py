@@ -40,8 +40,13 @@ def make_repository(folder: Path) -> str:
 
 
 def test_commit_of_a_checkout_and_whether_it_was_edited(package):
+    made = package.parent / "results" / "report.txt"
+    made.parent.mkdir()
+    made.touch()
     commit = make_repository(package.parent)
     assert len(commit) >= 7
+    assert commit_of(package) == commit
+    made.write_text("what was made does not make anything")
     assert commit_of(package) == commit
     with (package / "version.py").open("a") as module:
         module.write("# edited\n")
