@@ -77,6 +77,8 @@ def draw_study(
         if pd.api.types.is_integer_dtype(table[x]):
             axes.set_xticks(sorted(table[x].unique()))
         axes.grid(True)
+        fixed = {name: value for name, value in (chosen or {}).items() if name not in (x, hue)}
+        axes.set_title(", ".join(_value_text(name, value) for name, value in fixed.items()))
         figure.legend(loc="outside upper center", ncols=3)
     return figure
 

@@ -174,6 +174,7 @@ def test_lengths_are_drawn_in_millimetres(made_study):
     np.testing.assert_allclose(table["height"], expected)
     (axes,) = draw_study(study, "cut.inner_radius", "height", None, {"prestretch": 1.06}).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("inner radius (mm)", "height (mm)")
+    assert axes.get_title() == "λ = 1.06"
 
 
 def test_the_command_draws_a_study(made_study, tmp_path, capsys):
