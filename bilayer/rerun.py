@@ -14,10 +14,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.errors import INTERRUPTED
 from bilayer.result import result_mesh, result_specimen
 from bilayer.settings import settings_from
 from bilayer.solvers import Progress, settings_kind, solve, solver_package
 from bilayer.starting import ANOTHER_RESULT, FLAT
+from bilayer.table_text import stretches
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
@@ -25,8 +27,18 @@ SECONDS = "s"
 """Unit of the times in a result, which no two runs share."""
 
 
+def as_far_as_it_came(result: xr.Dataset) -> xr.Dataset:
+    """Return a result that was interrupted without the milestones that it did not come to.
+
+    Those where a computation failed stay: it is to fail again.
+    """
+    if result.attrs["stop_reason"] != INTERRUPTED:
+        return result
+    return result.isel(prestretch=result["converged"].values == 1)
+
+
 def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
-    """Compute a result again.
+    """Compute the milestones of a result again.
 
     Parameters
     ----------
@@ -48,7 +60,7 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
     kind = settings_kind(result.attrs["solver"], result.attrs["model"])
     settings: Any = settings_from(kind, tomllib.loads(result.attrs["settings"]))
     return solve(
-        result_specimen(result),
+        result_specimen(result).with_milestones([(x, y) for x, y in stretches(result)]),
         result.attrs["solver"],
         settings,
         mesh=result_mesh(result),

@@ -8,7 +8,14 @@ from typing import Any
 from bilayer.output_file import check_writable
 from bilayer.progress import progress_bar
 from bilayer.ranks import is_first_rank, join_mpi
-from bilayer.rerun import AGREEMENT, agree, began_elsewhere, differences, rerun
+from bilayer.rerun import (
+    AGREEMENT,
+    agree,
+    as_far_as_it_came,
+    began_elsewhere,
+    differences,
+    rerun,
+)
 from bilayer.result import open_result, write_result
 from bilayer.solvers import solver_package
 from bilayer.verbs.parser import add_verb
@@ -28,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status: 0 where the shapes agree."""
     join_mpi()
     first = is_first_rank()
-    result = open_result(options.result)
+    result = as_far_as_it_came(open_result(options.result))
     if not (first or solver_package(result.attrs["solver"]).PARALLEL):
         return 0  # the first rank computes alone
     if options.output is not None:

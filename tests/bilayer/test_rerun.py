@@ -35,6 +35,17 @@ def test_two_serial_runs_give_the_same_numbers_to_the_last_bit(stored, tmp_path,
         np.testing.assert_array_equal(again[name].values, first[name].values)
 
 
+def test_an_interrupted_run_is_compared_as_far_as_it_came(stored, tmp_path, capsys):
+    result = open_result(stored)
+    result.attrs["stop_reason"] = "interrupted"
+    result["converged"][1] = 0
+    result["position"][1] = np.nan
+    write_result(result, tmp_path / "half.nc")
+    assert main(["rerun", str(tmp_path / "half.nc"), "-o", str(tmp_path / "b.nc")]) == 0
+    assert "The two runs agree to the last bit." in capsys.readouterr().out
+    assert open_result(tmp_path / "b.nc")["prestretch"].values.tolist() == [1.03]
+
+
 def test_a_file_that_this_program_does_not_make_is_told(stored, tmp_path, capsys):
     result = open_result(stored)
     result["position"][1, 0, 2] += 1e-7
