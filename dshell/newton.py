@@ -39,8 +39,8 @@ stand apart and take no more; others took thousands of solutions on a fine mesh.
 CORRECTIONS = 8
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 TOO_FAR = 3.0
-"""Growth of the residual force over a whole step and its corrections. What comes after is often
-indefinite, which costs several iterations; half the step costs none."""
+"""Growth of the residual force over a whole step, not a capped one, and its corrections. What comes
+after is often indefinite, which costs several iterations; half the step costs none."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
 """Of a correction, tried in this order until the energy falls."""
 ENERGY_NOISE = 1e-6
@@ -267,12 +267,13 @@ class EquilibriumSolver:
         """Return what one iteration makes of it: the longest halved step that is low enough."""
         factor = self._descent(here)
         step = self._step(factor, here.residual, limits.longest_step)
+        whole = np.abs(step).max() < limits.longest_step
         slope = float(here.residual @ step[self.assembly.free])
         share = 1.0
         while share > SHORTEST_STEP:
             there = self._corrected(here, share * step, factor, limits)
             change = there.energy - here.energy
-            too_far = share == 1.0 and there.error > TOO_FAR * here.error
+            too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
             if change <= SUFFICIENT_DECREASE * share * slope and not too_far:
                 return there
             if abs(change) <= ENERGY_NOISE * here.energy_scale and there.error < 0.5 * here.error:

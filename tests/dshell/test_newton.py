@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dshell import HingeSettings, static_release
+from dshell import HingeSettings, newton, static_release
 from dshell.assembly import Assembly
 from dshell.edge_springs import EdgeSprings
 from dshell.hinge_model import HingeModel
@@ -84,6 +84,15 @@ def test_a_whole_step_that_comes_too_far_is_halved():
     solver = EquilibriumSolver(Assembly(1, pulled.energies), SuperLUSolver())
     outcome = solver.settle([pulled], np.zeros(1), NewtonLimits(1e-9, 1, 100.0))
     assert outcome.residual < 1
+
+
+def test_a_capped_step_is_not_halved(monkeypatch):
+    """It is short enough already; where shapes wander, halves of it only cost iterations."""
+    monkeypatch.setattr(newton, "CORRECTIONS", 0)
+    pulled = Body([SoftThenStiff()], np.array([1.0]))
+    solver = EquilibriumSolver(Assembly(1, pulled.energies), SuperLUSolver())
+    capped = solver.settle([pulled], np.zeros(1), NewtonLimits(1e-9, 1, 1.99))
+    assert capped.state[0] == pytest.approx(1.99)
 
 
 class GrownMiddle:
