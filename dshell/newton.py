@@ -40,7 +40,7 @@ CORRECTIONS = 8
 """With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 TOO_FAR = 3.0
 """Growth of the residual force over a whole step, not a capped one, and its corrections. What comes
-after is often indefinite, which costs several iterations; half the step costs none."""
+after is often indefinite, which costs several iterations; half the step needs no new factor."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
 """Of a correction, tried in this order until the energy falls."""
 ENERGY_NOISE = 1e-6
@@ -242,7 +242,7 @@ class EquilibriumSolver:
                 factor = self._linear.factor(here.hessian())
             except SingularMatrixError:
                 break
-            step = self._step(factor, here.residual, limits.longest_step)
+            step = _capped(self._step(factor, here.residual), limits.longest_step)
             here = self.placed(body, here.state + step)
         return Outcome(here.state, converged, here.error, iteration)
 
@@ -266,8 +266,9 @@ class EquilibriumSolver:
     def _improved(self, here: Configuration, limits: NewtonLimits) -> Configuration:
         """Return what one iteration makes of it: the longest halved step that is low enough."""
         factor = self._descent(here)
-        step = self._step(factor, here.residual, limits.longest_step)
-        whole = np.abs(step).max() < limits.longest_step
+        straight = self._step(factor, here.residual)
+        step = _capped(straight, limits.longest_step)
+        whole = step is straight
         slope = float(here.residual @ step[self.assembly.free])
         share = 1.0
         while share > SHORTEST_STEP:
@@ -295,7 +296,7 @@ class EquilibriumSolver:
         for _ in range(CORRECTIONS):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
-            correction = self._step(inverse, there.residual, limits.longest_step)
+            correction = _capped(self._step(inverse, there.residual), limits.longest_step)
             lower = self._lower(there, correction)
             if lower is None:
                 break
@@ -311,10 +312,10 @@ class EquilibriumSolver:
                 return there
         return None
 
-    def _step(self, factor: Factor, residual: Array, longest: float) -> Array:
+    def _step(self, factor: Factor, residual: Array) -> Array:
         step = np.zeros(self.assembly.size)
         step[self.assembly.free] = -factor.solve(residual)
-        return step * min(1.0, longest / max(np.abs(step).max(), longest))
+        return step
 
     def _descent(self, here: Configuration) -> Factor:
         hessian = here.hessian()
@@ -346,6 +347,12 @@ class EquilibriumSolver:
             return self._linear.cholesky(convex)
         except NotPositiveDefiniteError as error:
             raise NoDescentError("round-off hides the convex relative of the stiffness") from error
+
+
+def _capped(step: Array, longest: float) -> Array:
+    """Return a step itself where no degree of freedom changes by more than `longest`, or less."""
+    length = np.abs(step).max()
+    return step * (longest / length) if length > longest else step
 
 
 def _negative_pairs(
