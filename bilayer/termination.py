@@ -14,7 +14,7 @@ def termination_as_ctrl_c() -> Iterator[None]:
 
     Among several ranks nothing changes: one that goes on alone would wait for the others for ever.
     """
-    if has_other_ranks() or threading.current_thread() is not threading.main_thread():
+    if has_other_ranks() or not may_handle_signals():
         yield
         return
     usual = signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -22,3 +22,8 @@ def termination_as_ctrl_c() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, usual)
+
+
+def may_handle_signals() -> bool:
+    """Whether this is the thread in which Python lets signals be handled."""
+    return threading.current_thread() is threading.main_thread()

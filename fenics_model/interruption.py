@@ -4,11 +4,12 @@ So is the signal that ends a job, where it is taken as Ctrl-C (`bilayer.terminat
 """
 
 import signal
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
+
+from bilayer.termination import may_handle_signals
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -32,7 +33,7 @@ def interruption_put_off() -> Iterator[Interruption]:
     def note(number: int, frame: Any) -> None:
         interruption.asked_for = True
 
-    raising = [number for number in SIGNALS if _raises(number)] if _is_main_thread() else []
+    raising = [number for number in SIGNALS if _raises(number)] if may_handle_signals() else []
     for number in raising:
         signal.signal(number, note)
     try:
@@ -46,7 +47,3 @@ def interruption_put_off() -> Iterator[Interruption]:
 
 def _raises(number: int) -> bool:
     return signal.getsignal(number) is signal.default_int_handler
-
-
-def _is_main_thread() -> bool:
-    return threading.current_thread() is threading.main_thread()

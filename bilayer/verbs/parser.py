@@ -53,8 +53,7 @@ def add_specimen_arguments(verb: Parser) -> None:
     verb.add_argument("--mesh-size", metavar="M", help="edge length of the planar mesh, m")
     verb.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="replace one value of the specimen, as in --set substrate.thickness=0.0008, or of the "
-        "solver's settings, as in --set solver.tolerance=1e-9",
+        help="replace one value of the specimen, as in --set substrate.thickness=0.0008",
     )  # fmt: skip
 
 
