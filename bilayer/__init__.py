@@ -2,49 +2,92 @@
 
 >>> import bilayer
 >>> result = bilayer.solve(bilayer.paper_specimen(), "dshell")  # doctest: +SKIP
+
+The names in `__all__` are all that a user needs; each is loaded when it is first used.
 """
 
-from bilayer.errors import BilayerError, ComputationError, InputError
-from bilayer.material import LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.mesh_generation import generate_mesh
-from bilayer.planar_mesh import PlanarMesh, read_planar_mesh, write_planar_mesh
-from bilayer.result import open_result, result_mesh, result_specimen, write_result
-from bilayer.solvers import solve
-from bilayer.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
-from bilayer.specimen_file import (
-    paper_specimen,
-    parse_specimen,
-    read_specimen,
-    specimen_to_toml,
-)
-from bilayer.study.dataset import open_study
-from bilayer.version import __version__
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = [
-    "BilayerError",
-    "ComputationError",
-    "CutPattern",
-    "InputError",
-    "Layer",
-    "LinearElastic",
-    "MeshSize",
-    "MooneyRivlin",
-    "NeoHookean",
-    "PlanarMesh",
-    "Prestretch",
-    "Specimen",
-    "__version__",
-    "generate_mesh",
-    "open_result",
-    "open_study",
-    "paper_specimen",
-    "parse_specimen",
-    "read_planar_mesh",
-    "read_specimen",
-    "result_mesh",
-    "result_specimen",
-    "solve",
-    "specimen_to_toml",
-    "write_planar_mesh",
-    "write_result",
-]
+if TYPE_CHECKING:
+    from bilayer.errors import BilayerError, ComputationError, InputError
+    from bilayer.figures import (
+        draw_birds_eye,
+        draw_comparison,
+        draw_distances,
+        draw_isometric,
+        draw_mesh,
+        draw_quality,
+        draw_quality_against,
+        draw_shapes,
+        save_figure,
+    )
+    from bilayer.mesh.generation import generate_mesh
+    from bilayer.mesh.planar import PlanarMesh, read_planar_mesh, write_planar_mesh
+    from bilayer.results.comparison import compare
+    from bilayer.results.conversion import convert_milestones, convert_result
+    from bilayer.results.result import open_result, result_mesh, result_specimen, write_result
+    from bilayer.runtime.version import __version__
+    from bilayer.solvers.registry import solve
+    from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
+    from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
+    from bilayer.specimen.toml import (
+        paper_specimen,
+        parse_specimen,
+        read_specimen,
+        specimen_to_toml,
+    )
+    from bilayer.study.dataset import open_study
+    from dshell.settings import HingeSettings, MorleySettings, PaperSettings
+    from fenics_model.settings import SolidSettings
+
+_MODULES = {
+    "bilayer.errors": ("BilayerError", "ComputationError", "InputError"),
+    "bilayer.figures": (
+        "draw_birds_eye",
+        "draw_comparison",
+        "draw_distances",
+        "draw_isometric",
+        "draw_mesh",
+        "draw_quality",
+        "draw_quality_against",
+        "draw_shapes",
+        "save_figure",
+    ),
+    "bilayer.mesh.generation": ("generate_mesh",),
+    "bilayer.mesh.planar": ("PlanarMesh", "read_planar_mesh", "write_planar_mesh"),
+    "bilayer.results.comparison": ("compare",),
+    "bilayer.results.conversion": ("convert_milestones", "convert_result"),
+    "bilayer.results.result": ("open_result", "result_mesh", "result_specimen", "write_result"),
+    "bilayer.runtime.version": ("__version__",),
+    "bilayer.solvers.registry": ("solve",),
+    "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
+    "bilayer.specimen.specimen": ("CutPattern", "Layer", "MeshSize", "Prestretch", "Specimen"),
+    "bilayer.specimen.toml": (
+        "paper_specimen",
+        "parse_specimen",
+        "read_specimen",
+        "specimen_to_toml",
+    ),
+    "bilayer.study.dataset": ("open_study",),
+    "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
+    "fenics_model.settings": ("SolidSettings",),
+}
+"""Where each public name lives."""
+
+_HOME = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its module, and keep it."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'bilayer' has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(_HOME[name]), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return the public names alone."""
+    return __all__

@@ -2,6 +2,6 @@
 
 import sys
 
-from bilayer.command_line import main
+from bilayer.cli.main import main
 
 sys.exit(main())

@@ -1,4 +1,4 @@
-"""The discrete shell in NumPy and SciPy; the package that `bilayer.solvers` calls "dshell"."""
+"""The discrete shell in NumPy and SciPy: the solver "dshell"."""
 
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings
 from dshell.solver import BYTES_PER_TRIANGLE, DEFAULT_START, MODELS, PARALLEL, solve

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bilayer.errors import InputError
-from bilayer.settings import documented
-from bilayer.specimen import BONDED_THICKNESS_RULES
+from bilayer.specimen.settings import documented
+from bilayer.specimen.specimen import BONDED_THICKNESS_RULES
 from bilayer.validation import fraction, not_negative, one_of, positive, whole
-from dshell.branches import BRANCHES
-from dshell.through_thickness import PROFILES
+from dshell.energies.through_thickness import PROFILES
 
 METHODS = ("static", "dynamic")
-"""How a shape is found: `dshell.static_release` or `dshell.dynamic_release`."""
+"""How a shape is found: `dshell.release.static` or `dshell.release.dynamic`."""
+BRANCHES = ("lowest", "other", "unstable")
+"""What follows an unstable equilibrium, see `dshell.release.branches`."""
 MOST_TIME_STEPS = 10_000_000
 
 

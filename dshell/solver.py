@@ -9,21 +9,21 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import INTERRUPTED, InputError, Interrupted
-from bilayer.mesh_generation import mesh_within_memory
-from bilayer.planar_mesh import PlanarMesh
-from bilayer.result import build_result, result_mesh, starting_shape
-from bilayer.solvers import Progress
-from bilayer.specimen import Specimen
-from bilayer.starting import FLAT, began, described
-from dshell.coarse_start import coarse_mesh, prolonged
-from dshell.dynamic_release import DynamicRelease
-from dshell.hinge_model import HingeModel
-from dshell.linear_solver import best_linear_solver
-from dshell.morley_model import MorleyModel
-from dshell.paper_model import release_paper
+from bilayer.mesh.generation import mesh_within_memory
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.result import build_result, result_mesh, starting_shape
+from bilayer.results.starting import FLAT, began, described
+from bilayer.runtime.progress import Progress
+from bilayer.specimen.specimen import Specimen
+from dshell.models.hinge import HingeModel
+from dshell.models.morley import MorleyModel
+from dshell.release.coarse_start import coarse_mesh, prolonged
+from dshell.release.dynamic import DynamicRelease
+from dshell.release.paper import release_paper
+from dshell.release.static import ShellModel, StaticRelease, visit_milestones
+from dshell.release.visit import Visit
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
-from dshell.static_release import ShellModel, StaticRelease, visit_milestones
-from dshell.visit import Visit
+from dshell.solve.linear_solver import best_linear_solver
 
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ BYTES_PER_TRIANGLE = 50_000
 """Memory that a run takes: `scripts/benchmark dshell --largest 100000` measures it."""
 
 DEFAULT_START = "flat"
-"""One of `bilayer.solvers.STARTS`."""
+"""One of `bilayer.solvers.registry.STARTS`."""
 
 MODELS = {"morley": MorleySettings, "hinge": HingeSettings, "paper": PaperSettings}
 
@@ -105,7 +105,7 @@ def solve(
     ----------
     specimen : Specimen
         What to release. Its weight, if any, is a dead load along -z that the centre carries, see
-        `bilayer.support`; the paper's model has none.
+        `bilayer.specimen.support`; the paper's model has none.
     settings : MorleySettings, HingeSettings or PaperSettings, optional
         Their type chooses the model; the default model's defaults where left out.
     mesh : PlanarMesh, optional
@@ -116,12 +116,12 @@ def solve(
     comm : mpi4py.MPI.Comm, optional
         Not used: each rank that calls computes the whole result.
     progress : callable, optional
-        See `bilayer.solvers.Progress`.
+        See `bilayer.runtime.progress.Progress`.
 
     Returns
     -------
     Dataset
-        See `bilayer.result`. A milestone that was not reached has its last shape in
+        See `bilayer.results.result`. A milestone that was not reached has its last shape in
         `last_position`; `stop_reason` says where it stopped and why.
 
     Raises

@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from bilayer.alignment import rms_distance
-from bilayer.comparison import compare
-from bilayer.result import result_mesh
-from bilayer.surface import flat_surface
+from bilayer.geometry.alignment import rms_distance
+from bilayer.mesh.planar import flat_surface
+from bilayer.results.comparison import compare
+from bilayer.results.result import result_mesh
 
 PAPER_FIRST_QUALITY = 0.8
 """At 1.03, read off its figure 6 (section VII)."""

@@ -25,13 +25,13 @@ from studies.findings import (
 
 import bilayer
 from bilayer.figures import draw_quality_against, save_figure
-from bilayer.output_file import whole_file
-from bilayer.progress import progress_bar
+from bilayer.runtime.output_file import whole_file
+from bilayer.runtime.progress import progress_bar
+from bilayer.study.figure import draw_study
 from bilayer.study.folder import StudyFolder
 from bilayer.study.index import write_index
 from bilayer.study.plan import StudyPlan, read_study
 from bilayer.study.run import run_study
-from bilayer.study_figure import draw_study
 from bilayer.validation import one_of
 
 STUDIES = Path(__file__).parent / "studies"

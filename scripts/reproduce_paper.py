@@ -15,7 +15,6 @@ from paper_observations import accurate_shell_conclusion, observations
 from paper_studies import NAMES, SOLVERS, run_studies
 
 import bilayer
-from bilayer.comparison import compare, comparison_table
 from bilayer.figures import (
     draw_birds_eye,
     draw_distances,
@@ -25,9 +24,10 @@ from bilayer.figures import (
     draw_quality_against,
     save_figure,
 )
-from bilayer.progress import progress_bar
-from bilayer.report import result_table
-from bilayer.solvers import settings_kind
+from bilayer.results.comparison import compare, comparison_table
+from bilayer.results.report import result_table
+from bilayer.runtime.progress import progress_bar
+from bilayer.solvers.registry import settings_kind
 
 RESULTS = Path(__file__).parents[1] / "results"
 QUICK_MILESTONES = (1.03, 1.06, 1.15, 1.24)

@@ -13,7 +13,7 @@ from benchmarks import calculix, dshell, fenics
 from benchmarks.page import with_part
 
 from bilayer.errors import ComputationError, InputError
-from bilayer.output_file import whole_file
+from bilayer.runtime.output_file import whole_file
 
 BENCHMARKS = {"dshell": dshell, "fenics": fenics, "calculix": calculix}
 PAGE = Path(__file__).parents[1] / "docs" / "performance.md"

@@ -16,7 +16,7 @@ from verification.shell_rungs import SHELL_RUNGS
 from verification.table import missed, page, rung_text, summary
 
 from bilayer.errors import InputError
-from bilayer.output_file import whole_file
+from bilayer.runtime.output_file import whole_file
 
 RUNGS: tuple[Rung, ...] = tuple(
     sorted((*SHELL_RUNGS, *FENICS_RUNGS, *CALCULIX_RUNGS), key=lambda rung: rung.number)

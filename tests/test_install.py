@@ -14,7 +14,7 @@ from bilayer import (
     read_planar_mesh,
     write_planar_mesh,
 )
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 
 CHECKOUT = Path(__file__).parents[1]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 
 README = Path(__file__).parents[1] / "README.md"
 

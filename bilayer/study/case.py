@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from bilayer.mesh_generation import estimated_triangles
-from bilayer.result import SCHEMA_VERSION
-from bilayer.settings import settings_to_toml
-from bilayer.solvers import solver_package
-from bilayer.specimen import Specimen
-from bilayer.specimen_file import specimen_to_toml
+from bilayer.mesh.generation import estimated_triangles
+from bilayer.results.result import SCHEMA_VERSION
+from bilayer.solvers.registry import solver_package
+from bilayer.specimen.settings import settings_to_toml
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.toml import specimen_to_toml
 
 BYTES_OF_A_PROCESS = 290_000_000
 """The interpreter with its libraries, the most that `scripts/studies/overhead.py` finds."""
@@ -27,7 +27,7 @@ class Case:
     specimen : Specimen
         With all its milestones: a sweep of the prestretch is one load path, so one case.
     solver, model : str
-        Names as in `bilayer.solvers`.
+        Names as in `bilayer.solvers.registry`.
     settings : settings dataclass
         Of that model.
     values : mapping

@@ -4,7 +4,7 @@ import time
 import traceback
 from typing import Any
 
-from bilayer.solvers import solve, solver_package
+from bilayer.solvers.registry import solve, solver_package
 from bilayer.study.case import Case
 from bilayer.study.folder import BEGUN, StudyFolder
 

@@ -23,8 +23,8 @@ from typing import Any
 import xarray as xr
 
 from bilayer.errors import ComputationError, InputError
-from bilayer.output_file import check_writable, whole_file
-from bilayer.result import write_result
+from bilayer.results.result import write_result
+from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 

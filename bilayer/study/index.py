@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from bilayer.errors import InputError
-from bilayer.output_file import whole_file
-from bilayer.solvers import settings_kind
+from bilayer.runtime.output_file import whole_file
+from bilayer.solvers.registry import settings_kind
 from bilayer.study.folder import StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.mesh_generation import check_memory
-from bilayer.settings import settings_from
-from bilayer.solvers import SOLVERS, settings_kind, solver_package
-from bilayer.specimen import Specimen
-from bilayer.specimen_file import parse_specimen
+from bilayer.mesh.generation import check_memory
+from bilayer.solvers.registry import SOLVERS, settings_kind, solver_package
+from bilayer.specimen.settings import settings_from
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.toml import parse_specimen
 from bilayer.study.case import Case
 from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
 from bilayer.validation import nearest, one_of
@@ -85,7 +85,7 @@ def plan_of(
     specimen_text : str
         The specimen that is varied, as TOML.
     solvers : sequence of str
-        Names as in `bilayer.solvers`.
+        Names as in `bilayer.solvers.registry`.
     settings : mapping
         For each solver a table of its `model` and settings, as far as they are not the defaults.
     rows : sequence of dict

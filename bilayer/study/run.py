@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from bilayer.errors import InputError
-from bilayer.solvers import Progress
+from bilayer.runtime.progress import Progress
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
@@ -38,7 +38,7 @@ def run_study(
     retry_failed : bool
         Compute also those that failed or stopped early in an earlier start.
     progress : callable, optional
-        See `bilayer.solvers.Progress`.
+        See `bilayer.runtime.progress.Progress`.
 
     Returns
     -------

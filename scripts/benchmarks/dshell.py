@@ -13,7 +13,7 @@ import pandas as pd
 from benchmarks import linear_solvers, peer
 from benchmarks.shell_release import SECTIONS, Release, cost, in_a_process_of_its_own
 from dshell import MorleySettings
-from dshell.coarse_start import GAIN
+from dshell.release.coarse_start import GAIN
 
 DESCRIPTION = "the discrete shell: iterations, CPU time by section, memory, sparse solvers"
 EXAMPLES = """\

@@ -23,11 +23,12 @@ from mpi4py import MPI
 import bilayer
 from benchmarks.sections import least_cpu
 from bilayer import MeshSize, generate_mesh, open_result, paper_specimen, specimen_to_toml
-from bilayer.planar_mesh import PlanarMesh
-from bilayer.specimen import Specimen
-from fenics_model import SolidSettings, jit
-from fenics_model.bilayer_solid import bilayer_solid
-from fenics_model.solid import Solid
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.specimen import Specimen
+from fenics_model import SolidSettings
+from fenics_model.api import jit
+from fenics_model.release.specimen_solid import bilayer_solid
+from fenics_model.solid.solid import Solid
 
 DESCRIPTION = "the finite-element model: iterations, CPU time by part, kernels, ranks"
 EXAMPLES = """  scripts/benchmark fenics

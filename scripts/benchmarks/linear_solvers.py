@@ -10,17 +10,17 @@ from benchmarks.sections import least_cpu
 from benchmarks.shell_release import Release
 from bilayer import generate_mesh
 from dshell import MorleySettings
-from dshell.assembly import Assembly, deform
-from dshell.linear_solver import (
+from dshell.energies.assembly import Assembly, deform
+from dshell.models.morley import MorleyModel
+from dshell.release.rigid_motion import held_coordinates, held_nodes
+from dshell.solve.linear_solver import (
     MUMPS_ORDERINGS,
     CholmodSolver,
     LinearSolver,
     MumpsSolver,
     SuperLUSolver,
 )
-from dshell.morley_model import MorleyModel
-from dshell.newton import CONVEX_SHIFT
-from dshell.rigid_motion import held_coordinates, held_nodes
+from dshell.solve.newton import CONVEX_SHIFT
 
 REPEATS = 3
 

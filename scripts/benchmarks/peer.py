@@ -19,10 +19,10 @@ from verification.meshes import disc
 from benchmarks.sections import least_cpu
 from bilayer import PlanarMesh, paper_specimen
 from bilayer.errors import ComputationError, InputError
-from dshell.assembly import Assembly, deform, gradient_of
-from dshell.hinge_model import HingeModel
-from dshell.linear_solver import best_linear_solver
-from dshell.rigid_motion import held_coordinates, held_nodes
+from dshell.energies.assembly import Assembly, deform, gradient_of
+from dshell.models.hinge import HingeModel
+from dshell.release.rigid_motion import held_coordinates, held_nodes
+from dshell.solve.linear_solver import best_linear_solver
 
 RINGS = (16, 32)
 """Of nodes in the discs: 2256 and 9120 hinges."""

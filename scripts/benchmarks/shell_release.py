@@ -12,12 +12,14 @@ from typing import Any
 
 from benchmarks.sections import cpu_by_section
 from bilayer import CutPattern, MeshSize, Specimen, generate_mesh, paper_specimen
-from bilayer.mesh_generation import size_for
-from dshell import MorleySettings, linear_solver, morley, newton, solve, solver
-from dshell.assembly import Assembly
+from bilayer.mesh.generation import size_for
+from dshell import MorleySettings, solve, solver
+from dshell.energies import morley_faces
+from dshell.energies.assembly import Assembly
+from dshell.solve import linear_solver, newton
 
 SECTIONS = {
-    "set-up": [(Assembly, "__init__"), (morley.MorleyFaces, "__init__")],
+    "set-up": [(Assembly, "__init__"), (morley_faces.MorleyFaces, "__init__")],
     "assembly": [
         (Assembly, "hessian"),
         (Assembly, "convex_hessian"),

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from bilayer.caveats import is_unstable, touches_itself
+from bilayer.results.caveats import is_unstable, touches_itself
 
 PRESTRETCH = 1.15
 """Where the values of a field are listed: between bending a little and curling up."""

@@ -19,7 +19,7 @@ from pathlib import Path
 import pandas as pd
 import psutil
 
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 from bilayer.study.index import TIMINGS
 
 RANKS = 2

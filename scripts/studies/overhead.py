@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
 from bilayer.study.index import write_index

@@ -19,7 +19,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import bilayer
-from bilayer.specimen import Specimen
+from bilayer.specimen.specimen import Specimen
 
 STEP = 0.01
 """Relative change of each parameter, upward and downward."""

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 
 STUDY = """
 specimen = "specimen.toml"

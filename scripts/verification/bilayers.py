@@ -21,13 +21,13 @@ from bilayer import (
     solve,
 )
 from bilayer.errors import ComputationError
-from bilayer.mesh_generation import generate_mesh
+from bilayer.mesh.generation import generate_mesh
 from dshell import HingeSettings, MorleySettings
-from dshell.hinge_rest_state import specimen_sections
-from dshell.morley import MorleyFaces
-from dshell.morley_model import specimen_layers
-from dshell.rigid_motion import held_coordinates, held_nodes
-from dshell.through_thickness import PROFILES
+from dshell.energies.morley_faces import MorleyFaces
+from dshell.energies.through_thickness import PROFILES
+from dshell.models.hinge_rest_state import specimen_sections
+from dshell.models.morley import specimen_layers
+from dshell.release.rigid_motion import held_coordinates, held_nodes
 from verification.meshes import rectangle
 from verification.shell_problem import Problem, nodes_of, plate
 

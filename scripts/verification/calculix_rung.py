@@ -10,7 +10,7 @@ from pathlib import Path
 import xarray as xr
 
 from bilayer import open_result, result_mesh, result_specimen, solve
-from bilayer.comparison import compare
+from bilayer.results.comparison import compare
 from verification.rung import Check, Rung
 
 RESULTS = Path(__file__).parents[2] / "results" / "calculix"

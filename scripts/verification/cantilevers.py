@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from bilayer import LinearElastic
-from dshell.assembly import coordinates_of
-from dshell.plane_stress import plane_stress_law
-from dshell.through_thickness import ShellLayer
+from dshell.energies.assembly import coordinates_of
+from dshell.energies.through_thickness import ShellLayer
+from dshell.materials.plane_stress import plane_stress_law
 from verification.end_moment import EndMoment
 from verification.meshes import rectangle, slit_ring
 from verification.shell_problem import (

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from bilayer import PlanarMesh
-from dshell.assembly import Assembly, Energy
+from dshell.energies.assembly import Assembly, Energy
 
 Array = NDArray[np.float64]
 ROUGHNESS = 3e-4  # m

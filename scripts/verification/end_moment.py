@@ -10,14 +10,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dshell.assembly import coordinates_of, sum_at
+from dshell.energies.assembly import coordinates_of, sum_at
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class EndMoment:
-    """A moment shared by lines of two nodes; see `dshell.assembly.Energy`.
+    """A moment shared by lines of two nodes; see `dshell.energies.assembly.Energy`.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class EndMoment:
         return [coordinates_of(self.lines).reshape(-1, 6)]
 
     def at(self, state: Array) -> "_TurnedLines":
-        """Return the lines in a state; see `dshell.assembly.Energy`."""
+        """Return the lines in a state; see `dshell.energies.assembly.Energy`."""
         ends = state[coordinates_of(self.lines)]
         x, _, z = (ends[:, 1] - ends[:, 0]).T
         return _TurnedLines(self, len(state), x, z)
@@ -54,20 +54,20 @@ class _TurnedLines:
     z: Array
 
     def energy(self) -> Array:
-        """Return -M phi of each line; see `dshell.assembly.Deformed`."""
+        """Return -M phi of each line; see `dshell.energies.assembly.Deformed`."""
         about, x, z = self.load.about, self.x, self.z
         c, s = np.cos(about), np.sin(about)
         return -self.load.moments * (about + np.arctan2(-c * z - s * x, c * x - s * z))
 
     def gradient(self) -> Array:
-        """See `dshell.assembly.Deformed`."""
+        """See `dshell.energies.assembly.Deformed`."""
         square = self.x**2 + self.z**2
         by_span = -self.load.moments * np.array([self.z, 0 * self.x, -self.x]) / square
         forces = np.stack([-by_span.T, by_span.T], axis=1)
         return sum_at(coordinates_of(self.load.lines), forces, self.size)
 
     def hessian(self) -> list[Array]:
-        """See `dshell.assembly.Deformed`."""
+        """See `dshell.energies.assembly.Deformed`."""
         both, apart, none = 2 * self.x * self.z, self.x**2 - self.z**2, 0 * self.x
         rows = np.array([[-both, none, apart], [none, none, none], [apart, none, both]])
         by_span = -self.load.moments * rows / (self.x**2 + self.z**2) ** 2

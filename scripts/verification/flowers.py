@@ -8,7 +8,7 @@ import xarray as xr
 
 from bilayer import CutPattern, MeshSize, PlanarMesh, Specimen, paper_specimen, solve
 from bilayer.errors import ComputationError
-from bilayer.mesh_generation import generate_mesh
+from bilayer.mesh.generation import generate_mesh
 from dshell import MorleySettings
 from verification.bilayers import ladder_disc, petal_radii
 

@@ -6,9 +6,9 @@ for a cylinder, a sphere and a saddle of curvature k0: no nu fits the lattice's 
 
 import numpy as np
 
-from dshell.edge_springs import EdgeSprings
-from dshell.hinges import Hinges, hinge_angles
-from dshell.topology import Topology
+from dshell.energies.edge_springs import EdgeSprings
+from dshell.energies.hinges import Hinges, hinge_angles
+from dshell.energies.topology import Topology
 from verification.meshes import hexagon
 
 EDGE = 1e-3  # m

@@ -6,7 +6,7 @@ sections 16 and 17 (circular).
 
 import numpy as np
 
-from dshell.assembly import coordinates_of
+from dshell.energies.assembly import coordinates_of
 from verification.meshes import disc, rectangle
 from verification.shell_problem import Problem, clamp_layer, plate, pressure, single_layer
 

@@ -13,12 +13,12 @@ from scipy.sparse.linalg import eigsh
 
 from bilayer import LinearElastic, PlanarMesh
 from bilayer.errors import ComputationError
-from dshell.assembly import Assembly, Energy
-from dshell.linear_solver import best_linear_solver
-from dshell.morley import MorleyFaces
-from dshell.newton import Body, EquilibriumSolver, NewtonLimits
-from dshell.plane_stress import plane_stress_law
-from dshell.through_thickness import PROFILES, Laminate, ShellLayer
+from dshell.energies.assembly import Assembly, Energy
+from dshell.energies.morley_faces import MorleyFaces
+from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
+from dshell.materials.plane_stress import plane_stress_law
+from dshell.solve.linear_solver import best_linear_solver
+from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits
 
 Array = NDArray[np.float64]
 CLAMP_STIFFNESS = 1e3

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from bilayer import MeshSize, PlanarMesh, open_result, paper_specimen, solve
-from bilayer.comparison import compare
-from bilayer.mesh_generation import generate_mesh
-from bilayer.result import result_mesh, result_specimen
+from bilayer.mesh.generation import generate_mesh
+from bilayer.results.comparison import compare
+from bilayer.results.result import result_mesh, result_specimen
 from dshell import HingeSettings, MorleySettings
-from dshell.hinge_model import HingeModel
-from dshell.morley_model import MorleyModel
-from dshell.paper_rest_state import rest_state
+from dshell.models.hinge import HingeModel
+from dshell.models.morley import MorleyModel
+from dshell.models.paper_rest_state import rest_state
 from verification import bilayers, cantilevers, derivatives, flowers, hinge_lattice, plates
 from verification.meshes import hexagon, rectangle
 from verification.rung import Check, Rung

@@ -12,8 +12,8 @@ from mpi4py import MPI
 
 from bilayer import LinearElastic, MeshSize, MooneyRivlin, NeoHookean, open_result, paper_specimen
 from bilayer.errors import ComputationError
-from bilayer.material import Law
-from bilayer.specimen_file import specimen_to_toml
+from bilayer.specimen.material import Law
+from bilayer.specimen.toml import specimen_to_toml
 from verification.solid_problem import newton_of, rectangle, solid_of, stacked
 
 PAIRS = {

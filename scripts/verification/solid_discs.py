@@ -8,13 +8,13 @@ from mpi4py import MPI
 
 from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
-from bilayer.mesh_generation import generate_mesh
-from bilayer.result import result_mesh
-from bilayer.support import held_upright
-from dshell.hinge_rest_state import specimen_sections
+from bilayer.mesh.generation import generate_mesh
+from bilayer.results.result import result_mesh
+from bilayer.specimen.support import held_upright
+from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
-from fenics_model.bilayer_solid import bilayer_solid, held_points
-from fenics_model.buckling_modes import least_stiffness
+from fenics_model.branches.buckling_modes import least_stiffness
+from fenics_model.release.specimen_solid import bilayer_solid, held_points
 from verification import bilayers
 from verification.bilayers import RADIUS, Cap
 from verification.solid_problem import followed, newton_of

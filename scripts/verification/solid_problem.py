@@ -8,16 +8,16 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from ufl.algorithms.analysis import extract_constants
 
-from fenics_model.branch_search import BranchSearch
-from fenics_model.continuation import Equilibrium, Tolerances, follow
-from fenics_model.gradient_flow import GradientFlow
-from fenics_model.guide import Guide
-from fenics_model.layered_mesh import LayeredMesh
-from fenics_model.newton import Newton
-from fenics_model.solid import Solid, SolidLayer
-from fenics_model.step_control import StepControl
-from fenics_model.strain_energy import energy_constants
-from fenics_model.volume_mesh import Slab, extrude
+from fenics_model.branches.branch_search import BranchSearch
+from fenics_model.branches.gradient_flow import GradientFlow
+from fenics_model.mesh.layered_mesh import LayeredMesh
+from fenics_model.mesh.volume_mesh import Slab, extrude
+from fenics_model.path.continuation import Equilibrium, Tolerances, follow
+from fenics_model.path.guide import Guide
+from fenics_model.path.step_control import StepControl
+from fenics_model.solid.solid import Solid, SolidLayer
+from fenics_model.solid.strain_energy import energy_constants
+from fenics_model.solve.newton import Newton
 from verification import meshes
 
 FIRST_VISCOSITY = 1e9  # Pa/m2, suits bodies of millimetres

@@ -11,8 +11,8 @@ from scipy.optimize import minimize
 
 from bilayer import MooneyRivlin
 from bilayer.errors import ComputationError
-from bilayer.support import held_upright
-from fenics_model.bilayer_solid import held_points, natural_state
+from bilayer.specimen.support import held_upright
+from fenics_model.release.specimen_solid import held_points, natural_state
 from verification.solid_problem import (
     followed,
     held_where,

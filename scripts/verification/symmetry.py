@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CloughTocher2DInterpolator
 
 from bilayer import PlanarMesh
-from bilayer.alignment import rms_distance
-from bilayer.surface import flat_surface
+from bilayer.geometry.alignment import rms_distance
+from bilayer.mesh.planar import flat_surface
 
 
 def asymmetry(

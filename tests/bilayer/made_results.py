@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from shapes import cap
 
 from bilayer import MeshSize, generate_mesh, paper_specimen
-from bilayer.result import MilestoneState, build_result
+from bilayer.results.result import MilestoneState, build_result
 
 
 @dataclass(frozen=True)

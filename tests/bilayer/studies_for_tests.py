@@ -1,6 +1,6 @@
 """Study files of cases that take a fraction of a second: the printed shell, a few time steps."""
 
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 
 QUICK = """
 specimen = "specimen.toml"

@@ -7,9 +7,9 @@ import pytest
 from hexagon import RADIUS, hexagon_mesh, hexagon_specimen
 
 from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean, PlanarMesh
-from bilayer.abaqus_deck import DeckSettings, abaqus_deck, deck_points, held_nodes, write_decks
-from bilayer.planar_mesh import BARE, KIRIGAMI
-from bilayer.settings import settings_from
+from bilayer.calculix.deck import DeckSettings, abaqus_deck, deck_points, held_nodes, write_decks
+from bilayer.mesh.planar import BARE, KIRIGAMI
+from bilayer.specimen.settings import settings_from
 
 STRETCH = (1.2, 1.1)
 WEDGES = DeckSettings(element="wedge")

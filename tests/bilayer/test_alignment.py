@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bilayer.alignment import aligned, placed, rms_distance
+from bilayer.geometry.alignment import aligned, placed, rms_distance
 
 POINTS = np.random.default_rng(2).normal(size=(50, 3))
 WEIGHTS = np.random.default_rng(3).uniform(0.1, 1, 50)

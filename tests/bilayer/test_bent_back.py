@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from bilayer import MeshSize, generate_mesh, paper_specimen
-from bilayer.bent_back import BENT_BACK, Balls, Places, bent_back_pairs
-from bilayer.self_contact import BondedBody, self_contact_gap
+from bilayer.contact.bent_back import BENT_BACK, Balls, Places, bent_back_pairs
+from bilayer.contact.self_contact import BondedBody, self_contact_gap
 
 
 def rolled_strip(turns, count=400):

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from shapes import cap, cylinder, in_plane
 
 from bilayer import generate_mesh, paper_specimen
-from bilayer.body_frame import body_frame
+from bilayer.measures.body_frame import body_frame
 
 TURN = Rotation.from_rotvec([0.4, 0.3, 1.1])
 

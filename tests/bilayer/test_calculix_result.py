@@ -8,12 +8,12 @@ import pytest
 from hexagon import hexagon_mesh, hexagon_specimen
 
 from bilayer import InputError, open_result, specimen_to_toml, write_planar_mesh
-from bilayer.abaqus_deck import held_nodes
-from bilayer.calculix_files import read_convergence, read_frd
-from bilayer.calculix_result import import_calculix
-from bilayer.command_line import main
-from bilayer.report import provenance
-from bilayer.surface import Surface
+from bilayer.calculix.deck import held_nodes
+from bilayer.calculix.files import read_convergence, read_frd
+from bilayer.calculix.result import import_calculix
+from bilayer.cli.main import main
+from bilayer.geometry.surface import Surface
+from bilayer.results.report import provenance
 
 KEPT = Path(__file__).parent / "calculix"
 MILESTONES = (1.03, 1.06, 1.09)

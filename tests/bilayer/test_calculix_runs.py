@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from hexagon import hexagon_mesh, hexagon_specimen
 
-from bilayer.abaqus_deck import DeckSettings, write_decks
-from bilayer.calculix_files import read_convergence
-from bilayer.calculix_result import import_calculix
+from bilayer.calculix.deck import DeckSettings, write_decks
+from bilayer.calculix.files import read_convergence
+from bilayer.calculix.result import import_calculix
 
 KEPT = Path(__file__).parent / "calculix"
 CCX = Path(__file__).parents[2] / "scripts" / "ccx"

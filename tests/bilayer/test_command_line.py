@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from bilayer import open_result
-from bilayer.command_line import main
-from bilayer.specimen_file import template
+from bilayer.cli.main import main
+from bilayer.specimen.toml import template
 
 COARSE = ["--mesh-size", "0.012"]
 MORLEY = ["solve", "specimen.toml", "--solver", "dshell", *COARSE]

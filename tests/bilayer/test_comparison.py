@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from shapes import cap
 
 from bilayer import InputError, MeshSize, generate_mesh
-from bilayer.comparison import compare, comparison_table
+from bilayer.results.comparison import compare, comparison_table
 
 
 def turned(position):

@@ -7,7 +7,7 @@ import xarray as xr
 from made_results import cap_result
 
 from bilayer import ComputationError, InputError, result_mesh
-from bilayer.conversion import convert_milestones, convert_result
+from bilayer.results.conversion import convert_milestones, convert_result
 
 
 @pytest.fixture(scope="module")

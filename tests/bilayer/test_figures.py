@@ -10,8 +10,6 @@ from matplotlib.colors import to_rgb
 from scipy.spatial.transform import Rotation
 
 from bilayer import ComputationError, InputError, result_mesh
-from bilayer.comparison import compare, comparison_table
-from bilayer.figure_style import BARE_COLOUR, KIRIGAMI_COLOUR
 from bilayer.figures import (
     draw_birds_eye,
     draw_comparison,
@@ -23,7 +21,9 @@ from bilayer.figures import (
     draw_shapes,
     save_figure,
 )
-from bilayer.mesh_figure import BARE_EDGE, BILAYER_EDGE, bilayer_edges
+from bilayer.figures.mesh import BARE_EDGE, BILAYER_EDGE, bilayer_edges
+from bilayer.figures.style import BARE_COLOUR, KIRIGAMI_COLOUR
+from bilayer.results.comparison import compare, comparison_table
 
 
 @pytest.fixture(scope="module")

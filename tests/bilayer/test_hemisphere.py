@@ -9,13 +9,13 @@ from scipy.spatial.transform import Rotation
 from shapes import cylinder
 
 from bilayer import generate_mesh, paper_specimen
-from bilayer.hemisphere import (
+from bilayer.geometry.nearest_point import NearestPoint, distance_to_triangles
+from bilayer.geometry.surface import Surface
+from bilayer.measures.hemisphere import (
     away_from_unit_hemisphere,
     flat_disc_distance,
     unit_hemisphere_samples,
 )
-from bilayer.nearest_point import NearestPoint, distance_to_triangles
-from bilayer.surface import Surface
 
 
 def test_nearest_point_of_the_hemisphere_is_the_nearest_of_many():

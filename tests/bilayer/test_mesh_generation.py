@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bilayer import CutPattern, InputError, MeshSize, generate_mesh, paper_specimen
-from bilayer.mesh_generation import estimated_triangles, mesh_within_memory
+from bilayer.mesh.generation import estimated_triangles, mesh_within_memory
 
 PATTERNS = [
     None,

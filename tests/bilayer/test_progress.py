@@ -1,7 +1,7 @@
 """Progress where nobody looks: lines in a log, not too many."""
 
 from bilayer import progress
-from bilayer.progress import progress_bar
+from bilayer.runtime.progress import progress_bar
 
 
 def test_a_log_gets_a_line_now_and_then(capsys, monkeypatch):

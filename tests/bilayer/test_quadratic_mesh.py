@@ -6,9 +6,9 @@ from hexagon import hexagon_mesh
 from made_results import small_specimen
 
 from bilayer import InputError, LinearElastic, generate_mesh
-from bilayer.drawn_layer import draw_layer, natural_scale
-from bilayer.planar_mesh import BARE, KIRIGAMI
-from bilayer.quadratic_mesh import ELEMENTS, quadratic_mesh
+from bilayer.calculix.drawn_layer import draw_layer, natural_scale
+from bilayer.calculix.quadratic_mesh import ELEMENTS, quadratic_mesh
+from bilayer.mesh.planar import BARE, KIRIGAMI
 
 EDGES = {
     15: [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],

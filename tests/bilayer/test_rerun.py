@@ -7,9 +7,9 @@ import pytest
 from made_results import cap_result, small_specimen
 
 from bilayer import open_result, write_result
-from bilayer.command_line import main
-from bilayer.rerun import agree, differences, solve_command
-from bilayer.specimen_file import specimen_to_toml
+from bilayer.cli.main import main
+from bilayer.solvers.rerun import agree, differences, solve_command
+from bilayer.specimen.toml import specimen_to_toml
 
 SHELL = ["--solver", "dshell", "--model", "hinge", "--prestretch", "1.03", "1.06"]
 

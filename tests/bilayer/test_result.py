@@ -15,8 +15,8 @@ from bilayer import (
     result_specimen,
     write_result,
 )
-from bilayer.result import build_result
-from bilayer.shape import measure_shape
+from bilayer.measures.shape import measure_shape
+from bilayer.results.result import build_result
 
 PER_MILESTONE = {
     "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height", "iterations",

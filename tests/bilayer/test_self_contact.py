@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from shapes import cap, in_plane
 
 from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
-from bilayer.planar_mesh import KIRIGAMI
-from bilayer.report import contact_words, result_table, trust
-from bilayer.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
-from bilayer.surface import Surface
+from bilayer.contact.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
+from bilayer.geometry.surface import Surface
+from bilayer.mesh.planar import KIRIGAMI
+from bilayer.results.report import contact_words, result_table, trust
 
 BELOW, ABOVE = 0.6e-3, 1e-3
 LENGTH = 0.06

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from shapes import cap, cone, cylinder, in_plane
 
 from bilayer import MeshSize, generate_mesh, paper_specimen
-from bilayer.shape import ShapeMeasures, measure_shape, outer_radius, quality
-from bilayer.sphere import Sphere
+from bilayer.measures.shape import ShapeMeasures, measure_shape, outer_radius, quality
+from bilayer.measures.sphere import Sphere
 
 R = 0.04
 HEMISPHERE = math.pi / 2

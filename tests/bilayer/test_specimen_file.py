@@ -21,7 +21,7 @@ from bilayer import (
     read_specimen,
     specimen_to_toml,
 )
-from bilayer.specimen_file import specimen_from_tables, template
+from bilayer.specimen.toml import specimen_from_tables, template
 
 length = st.floats(1e-5, 1e-2)
 modulus = st.floats(1.0, 1e7)

@@ -8,8 +8,8 @@ from scipy.optimize import approx_fprime, minimize
 from shapes import cap, cone, in_plane
 
 from bilayer import generate_mesh, paper_specimen
-from bilayer.sphere import _distance, _distance_slopes, fit_sphere
-from bilayer.surface import Surface
+from bilayer.geometry.surface import Surface
+from bilayer.measures.sphere import _distance, _distance_slopes, fit_sphere
 
 
 @pytest.fixture(scope="module")

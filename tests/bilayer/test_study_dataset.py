@@ -13,11 +13,11 @@ from made_results import cap_result
 from studies_for_tests import write_study
 
 from bilayer import open_result, open_study
-from bilayer.command_line import main
+from bilayer.cli.main import main
 from bilayer.errors import InputError
+from bilayer.study.figure import draw_study, study_table
 from bilayer.study.folder import StudyFolder
 from bilayer.study.plan import read_study
-from bilayer.study_figure import draw_study, study_table
 
 HEAD = 'specimen = "specimen.toml"\nsolver = "dshell"\n'
 GRID = HEAD + '[vary]\n"cut.strips" = [5, 6]\n"cut.cutout_angle" = [0.3, 0.4, 0.5]\n'

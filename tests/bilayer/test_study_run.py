@@ -12,7 +12,7 @@ import pytest
 from studies_for_tests import QUICK, log_lines, write_study
 
 from bilayer import open_result
-from bilayer.command_line import main
+from bilayer.cli.main import main
 from bilayer.errors import ComputationError
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder

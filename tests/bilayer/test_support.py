@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bilayer import generate_mesh, paper_specimen
-from bilayer.support import clamped_at_centre, held_upright
+from bilayer.specimen.support import clamped_at_centre, held_upright
 
 
 @pytest.fixture(scope="module")

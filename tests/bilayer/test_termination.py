@@ -6,9 +6,9 @@ from contextlib import contextmanager
 
 import pytest
 
-from bilayer.command_line import main
-from bilayer.result import open_result
-from bilayer.verbs import solve
+from bilayer.cli.main import main
+from bilayer.cli.verbs import solve
+from bilayer.results.result import open_result
 
 
 @contextmanager

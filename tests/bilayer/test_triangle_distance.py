@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from bilayer.triangle_distance import triangle_distance
+from bilayer.contact.triangle_distance import triangle_distance
 
 FLAT = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
 

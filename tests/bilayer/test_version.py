@@ -9,21 +9,21 @@ import gmsh
 import numpy as np
 import pytest
 
-from bilayer.version import git_commit, own_versions
+from bilayer.runtime.version import git_commit, own_versions
 
-MODULE = Path(__file__).parents[2] / "bilayer" / "version.py"
+MODULE = Path(__file__).parents[2] / "bilayer" / "runtime" / "version.py"
 
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
     """The module alone, in a checkout of its own."""
-    (tmp_path / "bilayer").mkdir()
-    shutil.copy(MODULE, tmp_path / "bilayer")
+    (tmp_path / "bilayer" / "runtime").mkdir(parents=True)
+    shutil.copy(MODULE, tmp_path / "bilayer" / "runtime")
     return tmp_path / "bilayer"
 
 
 def commit_of(package: Path) -> str:
-    code = f"import runpy; print(runpy.run_path('{package}/version.py')['git_commit']())"
+    code = f"import runpy; print(runpy.run_path('{package}/runtime/version.py')['git_commit']())"
     command = [sys.executable, "-c", code]
     return subprocess.run(
         command, cwd=package, capture_output=True, text=True, check=True
@@ -48,7 +48,7 @@ def test_commit_of_a_checkout_and_whether_it_was_edited(package):
     assert commit_of(package) == commit
     made.write_text("what was made does not make anything")
     assert commit_of(package) == commit
-    with (package / "version.py").open("a") as module:
+    with (package / "runtime" / "version.py").open("a") as module:
         module.write("# edited\n")
     assert commit_of(package) == f"{commit}-dirty"
 

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from dshell.assembly import Assembly, coordinates_of, deform, gradient_of, total_energies
-from dshell.edge_springs import EdgeSprings
-from dshell.hinges import Hinges
-from dshell.topology import Topology
+from dshell.energies.assembly import Assembly, coordinates_of, deform, gradient_of, total_energies
+from dshell.energies.edge_springs import EdgeSprings
+from dshell.energies.hinges import Hinges
+from dshell.energies.topology import Topology
 
 HELD = [0, 5]
 

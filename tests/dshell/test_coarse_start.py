@@ -7,9 +7,10 @@ import pytest
 
 from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.errors import ComputationError
-from dshell import HingeSettings, MorleySettings, coarse_start, solver
-from dshell.coarse_start import coarse_mesh, prolonged
-from dshell.static_release import StaticRelease
+from dshell import HingeSettings, MorleySettings, solver
+from dshell.release import coarse_start
+from dshell.release.coarse_start import coarse_mesh, prolonged
+from dshell.release.static import StaticRelease
 
 COARSE = 120
 KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])

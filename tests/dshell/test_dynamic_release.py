@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from bilayer import InputError, solve
-from bilayer.alignment import rms_distance
-from dshell import HingeSettings, MorleySettings, dynamic_release
+from bilayer.geometry.alignment import rms_distance
+from dshell import HingeSettings, MorleySettings
+from dshell.release import dynamic
 
 KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])
 
@@ -57,7 +58,7 @@ def test_where_it_diverges_what_was_reached_is_kept(
     kind, method, coarse_specimen, coarse_mesh, monkeypatch
 ):
     """No prestretch needs no iteration; more than that needs more than is allowed here."""
-    monkeypatch.setattr(dynamic_release, "ITERATIONS", 0)
+    monkeypatch.setattr(dynamic, "ITERATIONS", 0)
     specimen = coarse_specimen.with_milestones([1.0, 1.06])
     settings = kind(method=method, max_iterations=1, smallest_step=0.2)
     result = solve(specimen, "dshell", settings, mesh=coarse_mesh)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from bilayer import ComputationError
-from dshell.assembly import total_energies
-from dshell.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
-from dshell.edge_springs import EdgeSprings
-from dshell.hinges import Hinges
-from dshell.topology import Topology
+from dshell.energies.assembly import total_energies
+from dshell.energies.edge_springs import EdgeSprings
+from dshell.energies.hinges import Hinges
+from dshell.energies.topology import Topology
+from dshell.solve.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
 
 MASS, STIFFNESS, LENGTH = 0.3, 2.0, 0.5  # kg, J, m
 FREQUENCY = np.sqrt(STIFFNESS / LENGTH**2 / MASS)  # rad/s: along itself the spring is linear

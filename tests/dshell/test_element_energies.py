@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from dshell.edge_springs import EdgeSprings
-from dshell.hinges import Hinges, hinge_angles
+from dshell.energies.edge_springs import EdgeSprings
+from dshell.energies.hinges import Hinges, hinge_angles
 
 COUNT = 200
 

@@ -7,14 +7,14 @@ import pytest
 from verification import bilayers
 
 from bilayer import PlanarMesh, solve
-from bilayer.mesh_generation import generate_mesh
+from bilayer.mesh.generation import generate_mesh
 from dshell import HingeSettings
-from dshell.hinge_rest_state import (
+from dshell.energies.topology import Topology
+from dshell.models.hinge_rest_state import (
     circumcentre_distances,
     laminate_springs_and_hinges,
     specimen_sections,
 )
-from dshell.topology import Topology
 
 EDGE = 1e-3  # m
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dshell.interface import bonded_interface
+from dshell.models.interface import bonded_interface
 
 
 def test_flat_midplane_lies_half_a_thickness_below_the_bond(coarse_mesh):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix, diags, random
 
-from dshell.linear_solver import (
+from dshell.solve.linear_solver import (
     CholmodSolver,
     MumpsSolver,
     NotPositiveDefiniteError,

@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 from verification.derivatives import derivative
 
 from bilayer import InputError, paper_specimen
-from dshell.assembly import Assembly, gradient_of
-from dshell.morley import MorleyFaces
-from dshell.morley_model import specimen_layers
-from dshell.through_thickness import PROFILES, Laminate
+from dshell.energies.assembly import Assembly, gradient_of
+from dshell.energies.morley_faces import MorleyFaces
+from dshell.energies.through_thickness import PROFILES, Laminate
+from dshell.models.morley import specimen_layers
 
 STRETCH = (1.2, 1.1)
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bilayer import InputError, MeshSize, PlanarMesh, generate_mesh, solve
-from bilayer.alignment import rms_distance
-from bilayer.solvers import settings_kind
+from bilayer.geometry.alignment import rms_distance
+from bilayer.solvers.registry import settings_kind
 from dshell import MorleySettings
 
 

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
-from dshell import HingeSettings, newton, static_release
-from dshell.assembly import Assembly
-from dshell.edge_springs import EdgeSprings
-from dshell.hinge_model import HingeModel
-from dshell.hinges import Hinges
-from dshell.linear_solver import SuperLUSolver, best_linear_solver
-from dshell.newton import Body, EquilibriumSolver, NewtonLimits
-from dshell.topology import Topology
+from dshell import HingeSettings
+from dshell.energies.assembly import Assembly
+from dshell.energies.edge_springs import EdgeSprings
+from dshell.energies.hinges import Hinges
+from dshell.energies.topology import Topology
+from dshell.models.hinge import HingeModel
+from dshell.release import static
+from dshell.solve import newton
+from dshell.solve.linear_solver import SuperLUSolver, best_linear_solver
+from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits
 
 
 @pytest.fixture
@@ -132,10 +134,10 @@ class GrownMiddle:
 def test_an_unstable_equilibrium_is_left(coarse_specimen, coarse_mesh, branch, is_stable):
     settings = HingeSettings(branch=branch)
     specimen = coarse_specimen.with_milestones([1.05, 1.06])
-    path = static_release.StaticRelease(
+    path = static.StaticRelease(
         specimen, coarse_mesh, GrownMiddle(coarse_mesh), settings, best_linear_solver()
     )
-    states, reason, _ = static_release.visit_milestones(specimen, path, None, None)
+    states, reason, _ = static.visit_milestones(specimen, path, None, None)
     assert reason == ""
     assert [state.unstable_modes == 0 for state in states] == [is_stable, is_stable]
     assert (np.ptp(states[1].position[:, 2]) > 1e-3) == is_stable
@@ -151,9 +153,9 @@ def test_an_equilibrium_counts_its_unstable_modes_once(coarse_specimen, coarse_m
 
     monkeypatch.setattr(EquilibriumSolver, "unstable_modes", counting)
     specimen = coarse_specimen.with_milestones([1.03, 1.05])
-    path = static_release.StaticRelease(
+    path = static.StaticRelease(
         specimen, coarse_mesh, HingeModel(specimen, coarse_mesh), HingeSettings(),
         best_linear_solver(),
     )  # fmt: skip
-    states, *_ = static_release.visit_milestones(specimen, path, None, None)
+    states, *_ = static.visit_milestones(specimen, path, None, None)
     assert [state.unstable_modes for state in states] == counted

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from bilayer import InputError, PlanarMesh, solve
-from bilayer.planar_mesh import KIRIGAMI
+from bilayer.mesh.planar import KIRIGAMI
 from dshell import PaperSettings
-from dshell.masses import lumped_masses
-from dshell.paper_model import paper_body
-from dshell.paper_rest_state import rest_state
+from dshell.models.masses import lumped_masses
+from dshell.models.paper_rest_state import rest_state
+from dshell.release.paper import paper_body
 
 SETTINGS = PaperSettings(total_time=0.3, time_step=0.005)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bilayer import PlanarMesh, paper_specimen
-from bilayer.planar_mesh import KIRIGAMI
-from dshell.hinges import hinge_angles
-from dshell.paper_rest_state import (
+from bilayer.mesh.planar import KIRIGAMI
+from dshell.energies.hinges import hinge_angles
+from dshell.models.paper_rest_state import (
     edge_stiffness,
     effective_inertia,
     hinge_stiffness,

@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean
-from dshell import plane_stress
-from dshell.plane_stress import plane_stress_law
+from dshell.materials import plane_stress
+from dshell.materials.plane_stress import plane_stress_law
 
 C10, C01 = 4839.1, 14536.0  # Pa, the substrate of the verification ladder
 COMPRESSIBLE = MooneyRivlin(C10, C01, 1.0392e-6)
@@ -100,7 +100,7 @@ def test_prestretch_is_a_change_of_the_natural_state(name, strain):
 
 
 def test_thickness_is_the_one_of_least_energy():
-    """W of `bilayer.material` in three dimensions, minimised over C33 by another program."""
+    """W of the law in three dimensions, minimised over C33 by another program."""
     law = plane_stress_law(COMPRESSIBLE)
     strain = np.array([[0.12], [-0.07], [0.05]])
     C = np.array([[1.24, 0.05], [0.05, 0.86]])

@@ -3,7 +3,7 @@
 import pytest
 
 from bilayer import open_result
-from bilayer.specimen_file import template
+from bilayer.specimen.toml import template
 
 pytest.importorskip("mpi4py.MPI")
 COARSE = ["--mesh-size", "0.016", "--prestretch", "1.03", "--quiet"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dshell.secant_inverse import SecantInverse
+from dshell.solve.secant_inverse import SecantInverse
 
 SIZE = 6
 

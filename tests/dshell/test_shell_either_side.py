@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from bilayer import InputError, Layer, MooneyRivlin, solve
-from bilayer.alignment import rms_distance
-from bilayer.surface import flat_surface
+from bilayer.geometry.alignment import rms_distance
+from bilayer.mesh.planar import flat_surface
 from dshell import HingeSettings, MorleySettings, PaperSettings
-from dshell.morley_model import MorleyModel, specimen_layers
+from dshell.models.morley import MorleyModel, specimen_layers
 
 MODELS = [MorleySettings(tolerance=1e-11), HingeSettings(tolerance=1e-11)]
 names = pytest.mark.parametrize("settings", MODELS, ids=["morley", "hinge"])

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from bilayer import InputError
-from dshell.topology import Topology, sum_at_nodes
+from dshell.energies.topology import Topology, sum_at_nodes
 
 SQUARE = np.array([[0, 1, 2], [0, 2, 3]])
 

@@ -10,9 +10,9 @@ from verification.shell_rungs import TESTED_RUNGS
 
 from bilayer import CutPattern, MeshSize, PlanarMesh, generate_mesh, solve
 from dshell import HingeSettings, MorleySettings
-from dshell.hinge_rest_state import specimen_sections
-from dshell.morley_model import specimen_layers
-from dshell.rigid_motion import held_coordinates, held_nodes
+from dshell.models.hinge_rest_state import specimen_sections
+from dshell.models.morley import specimen_layers
+from dshell.release.rigid_motion import held_coordinates, held_nodes
 
 GRID = np.linspace(-0.02, 0.02, 13)  # m
 

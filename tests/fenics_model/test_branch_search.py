@@ -9,8 +9,8 @@ from dolfinx import fem
 from verification.buckled_plate import LENGTH, THICKNESS, BuckledPlate
 from verification.solid_problem import push
 
-from fenics_model.branch_fields import branch_dataset
-from fenics_model.buckling_modes import buckling_modes, rms_displacement
+from fenics_model.branches.buckling_modes import buckling_modes, rms_displacement
+from fenics_model.release.branch_fields import branch_dataset
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ pytest.importorskip("dolfinx")
 from bilayer import InputError, MeshSize, generate_mesh, paper_specimen
 from bilayer.errors import Interrupted
 from fenics_model import SolidSettings, solve
-from fenics_model.tangent import ExtrapolatedTangent
+from fenics_model.solid.tangent import ExtrapolatedTangent
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 

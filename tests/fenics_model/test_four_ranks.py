@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from bilayer import MeshSize, open_result, paper_specimen, solve
-from bilayer.specimen_file import specimen_to_toml
+from bilayer.specimen.toml import specimen_to_toml
 
 pytest.importorskip("dolfinx")
 

@@ -7,8 +7,8 @@ pytest.importorskip("dolfinx")
 from verification.buckled_plate import BuckledPlate
 from verification.solid_problem import push, unguided
 
-from fenics_model.continuation import PathError, Tolerances, follow
-from fenics_model.step_control import StepControl
+from fenics_model.path.continuation import PathError, Tolerances, follow
+from fenics_model.path.step_control import StepControl
 
 
 @pytest.mark.mpi

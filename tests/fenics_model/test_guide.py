@@ -14,8 +14,8 @@ from bilayer import (
     paper_specimen,
     solve,
 )
-from bilayer.report import provenance
-from bilayer.starting import LONGEST_WAY, shapes_on_the_way, with_waypoints
+from bilayer.results.report import provenance
+from bilayer.results.starting import LONGEST_WAY, shapes_on_the_way, with_waypoints
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.009))
 

@@ -16,9 +16,9 @@ from verification.solid_problem import (
 )
 
 from bilayer import LinearElastic, MooneyRivlin
-from bilayer.support import held_upright
-from fenics_model.bilayer_solid import held_points, natural_state
-from fenics_model.release_path import ReleasePath
+from bilayer.specimen.support import held_upright
+from fenics_model.path.release_path import ReleasePath
+from fenics_model.release.specimen_solid import held_points, natural_state
 
 SIDE, THICKNESS = 4e-2, 1e-3
 LAWS = [MooneyRivlin(4839.1, 14536.0, 1e-6), MooneyRivlin(4839.1, 14536.0)]

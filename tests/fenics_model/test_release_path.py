@@ -1,6 +1,6 @@
 import pytest
 
-from fenics_model.release_path import ReleasePath
+from fenics_model.path.release_path import ReleasePath
 
 
 def test_milestones_are_on_the_path():

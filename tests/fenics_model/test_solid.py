@@ -14,7 +14,7 @@ from verification.solid_derivatives import (
     strained_solid,
 )
 
-from fenics_model.stability import unstable_modes
+from fenics_model.branches.stability import unstable_modes
 
 
 @pytest.fixture(params=PAIRS)

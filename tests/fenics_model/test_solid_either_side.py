@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip("dolfinx")
 
 from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
-from bilayer.alignment import rms_distance
-from bilayer.conversion import convert_result
-from bilayer.surface import flat_surface
+from bilayer.geometry.alignment import rms_distance
+from bilayer.mesh.planar import flat_surface
+from bilayer.results.conversion import convert_result
 from fenics_model import solve
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
@@ -33,7 +33,7 @@ def turned_over(mesh):
     """The mesh turned by half a turn about x, seen from what was its lower side.
 
     Its nodes are numbered in the opposite order: so the prisms over it are cut into tetrahedra as
-    those under the original are, see `fenics_model.volume_mesh`.
+    those under the original are, see `fenics_model.mesh.volume_mesh`.
     """
     last = len(mesh.points) - 1
     return PlanarMesh(mesh.points[::-1] * [1, -1], last - mesh.triangles[:, ::-1], mesh.region)

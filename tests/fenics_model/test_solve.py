@@ -21,7 +21,7 @@ from bilayer import (
     write_result,
 )
 from bilayer import solve as bilayer_solve
-from bilayer.comparison import compare
+from bilayer.results.comparison import compare
 from dshell import MorleySettings
 from fenics_model import MODELS, SolidSettings, solve
 
@@ -222,7 +222,7 @@ def test_the_held_points_carry_the_weight(mesh, thickness):
     from dolfinx import fem
     from mpi4py import MPI
 
-    from fenics_model.bilayer_solid import bilayer_solid
+    from fenics_model.release.specimen_solid import bilayer_solid
 
     prestretch = replace(COARSE.prestretch, thickness=thickness)
     heavy = replace(COARSE, gravity=9.81, prestretch=prestretch).with_milestones([1.2])

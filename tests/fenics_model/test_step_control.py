@@ -1,6 +1,6 @@
 import pytest
 
-from fenics_model.step_control import StepControl
+from fenics_model.path.step_control import StepControl
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from bilayer import PlanarMesh
-from fenics_model.volume_mesh import Slab, extrude
+from fenics_model.mesh.volume_mesh import Slab, extrude
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""CalculiX, the independent finite-element program: decks out, shapes back."""

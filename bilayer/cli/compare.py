@@ -1,0 +1,35 @@
+"""The verb `compare`: two results beside one another."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.results.comparison import compare, comparison_table
+from bilayer.results.result import open_result
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "compare", "compare two results on the same planar mesh",
+        "bilayer compare fenics.nc shell.nc -o comparison.png",
+    )  # fmt: skip
+    verb.add_argument("results", nargs=2, metavar="FILE.nc")
+    verb.add_argument("-o", "--output", metavar="FIGURE", help="draw it, too")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    from bilayer.figures import draw_comparison, save_figure  # matplotlib takes half a second
+
+    first, second = (open_result(path) for path in options.results)
+    comparison = compare(first, second)
+    if comparison.attrs["first"] == comparison.attrs["second"]:  # the files tell them apart
+        for side, path in zip(("first", "second"), options.results, strict=True):
+            comparison.attrs[side] += f" ({Path(path).name})"
+    if not options.quiet:
+        print(comparison_table(comparison))
+    if options.output is not None:
+        save_figure(draw_comparison(comparison), options.output)
+    return 0

@@ -1,0 +1,40 @@
+"""The verb `convert`: the shapes of a result in the formats of other programs."""
+
+import argparse
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.results.conversion import convert_milestones, convert_result
+from bilayer.results.result import open_result
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "convert", "write the shapes for ParaView and others",
+        "bilayer convert result.nc -o shape.vtu",
+    )  # fmt: skip
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument(
+        "-o", "--output", required=True, help="any format meshio writes, by the ending"
+    )
+    which = verb.add_mutually_exclusive_group()
+    which.add_argument(
+        "--prestretch", type=float, metavar="L",
+        help="the milestone to write; the last one reached where left out",
+    )  # fmt: skip
+    which.add_argument(
+        "--all", action="store_true", help="every milestone reached: shape_1.03.vtu, ..."
+    )
+    verb.add_argument("--part", choices=["midsurface", "volume"], default="midsurface")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    result = open_result(options.result)
+    if options.all:
+        for path in convert_milestones(result, options.output, options.part):
+            print(path)
+    else:
+        convert_result(result, options.output, options.prestretch, options.part)
+    return 0

@@ -1,0 +1,47 @@
+"""The verb `import`: shapes that CalculiX computed from exported decks, as a result."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from bilayer.calculix.result import import_calculix
+from bilayer.cli.parser import (
+    add_case_arguments,
+    add_specimen_arguments,
+    add_verb,
+    mesh_of,
+    specimen_of,
+)
+from bilayer.results.report import result_table
+from bilayer.results.result import write_result
+from bilayer.runtime.output_file import check_writable
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "import", "read what CalculiX made of exported decks; write it as NetCDF",
+        "bilayer import deck_1.03.frd deck_1.06.frd specimen.toml -o ccx.nc",
+    )  # fmt: skip
+    verb.add_argument(
+        "frd", nargs="+", metavar="DECK.frd",
+        help="one per prestretch; the .sta and .cvg files are read, too",
+    )  # fmt: skip
+    add_specimen_arguments(verb)
+    add_case_arguments(verb)
+    verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status, 1 if a deck stopped before its end."""
+    check_writable(Path(options.output))
+    specimen = specimen_of(options, options.overrides)
+    result = import_calculix(options.frd, specimen, mesh_of(options, specimen))
+    write_result(result, options.output)
+    if not options.quiet:
+        print(result_table(result))
+    if bool(result["converged"].all()):
+        return 0
+    print(f"bilayer: stopped early: {result.attrs['stop_reason']}", file=sys.stderr)
+    return 1

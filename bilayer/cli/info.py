@@ -1,0 +1,46 @@
+"""The verb `info`: what made a result, and how far it can be trusted."""
+
+import argparse
+import shlex
+from typing import Any
+
+import xarray as xr
+
+from bilayer.cli.parser import add_verb
+from bilayer.results.report import provenance
+from bilayer.results.result import open_result
+from bilayer.solvers.registry import SOLVERS
+from bilayer.solvers.rerun import solve_command
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "info", "say what made a result, and how far it can be trusted",
+        "bilayer info fenics.nc",
+    )  # fmt: skip
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("--specimen", action="store_true", help="print only the specimen's TOML file")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    result = open_result(options.result)
+    if options.specimen:
+        print(result.attrs["specimen"], end="")
+        return 0
+    print(provenance(result))
+    if result.attrs["solver"] in SOLVERS:
+        print(_to_run_again(options.result, result))
+    return 0
+
+
+def _to_run_again(path: str, result: xr.Dataset) -> str:
+    file = shlex.quote(path)
+    return (
+        "\nTo run it again, with the versions above:\n"
+        f"  bilayer rerun {file}\n"
+        "or step by step:\n"
+        f"  bilayer info {file} --specimen > again.toml\n"
+        f"  {solve_command(result, path)}"
+    )

@@ -1,0 +1,71 @@
+"""The command `bilayer`: its verbs, and how errors and progress reach a person.
+
+Tables go to stdout, progress and errors to stderr. Exit status 2 is bad input, 1 a computation
+that failed or stopped early, 0 success.
+"""
+
+import argparse
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+from bilayer.cli.parser import Parser
+from bilayer.cli.verbs import VERBS
+from bilayer.errors import BilayerError, InputError
+from bilayer.runtime.ranks import abort_other_ranks, is_first_rank
+from bilayer.runtime.version import __version__
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one verb and return the exit status.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        The words after `bilayer`; those of the process where left out.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        status = options.run(options)
+        sys.stdout.flush()
+        return status
+    except BilayerError as error:
+        return _fail(error, options, 2 if isinstance(error, InputError) else 1)
+    except MemoryError as error:
+        return _fail(error, options, 1)
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:  # the reader of our stdout has gone, as in `bilayer init | head -3`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:  # of stdout, as on a full disk
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123  # what is buffered has nowhere to go
+        return _fail(error, options, 1)
+    except Exception:
+        traceback.print_exc()
+        abort_other_ranks()
+        return 1
+
+
+def _fail(error: BaseException, options: argparse.Namespace, status: int) -> int:
+    if options.verbose:
+        traceback.print_exc()
+    if is_first_rank():
+        text = " ".join(str(error).split()) or type(error).__name__
+        print(f"bilayer: error: {text}", file=sys.stderr)
+    return status
+
+
+def _parser() -> Parser:
+    parser = Parser(
+        prog="bilayer",
+        description="The 3D shape that a flat kirigami bilayer takes on release.",
+        epilog="example:\n  bilayer init > specimen.toml\n"
+        "  bilayer solve specimen.toml --solver dshell -o shell.nc",
+    )
+    parser.add_argument("--version", action="version", version=f"bilayer {__version__}")
+    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
+    for verb in VERBS:
+        verb.add(verbs)
+    return parser

@@ -1,0 +1,39 @@
+"""The verb `mesh`: the planar mesh of a specimen, and its picture."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from bilayer.cli.parser import add_specimen_arguments, add_verb, specimen_of
+from bilayer.mesh.generation import generate_mesh
+from bilayer.mesh.planar import write_planar_mesh
+from bilayer.runtime.output_file import check_writable
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "mesh", "mesh the flat disc; write the mesh, and its picture beside it",
+        "bilayer mesh specimen.toml -o mesh.msh",
+    )  # fmt: skip
+    add_specimen_arguments(verb)
+    verb.add_argument(
+        "-o", "--output", required=True, help="any format meshio writes, by the ending"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    from bilayer.figures import draw_mesh, save_figure  # matplotlib takes half a second
+
+    output = Path(options.output)
+    check_writable(output)
+    mesh = generate_mesh(specimen_of(options, options.overrides))
+    write_planar_mesh(mesh, output)
+    save_figure(draw_mesh(mesh), output.with_suffix(".png"))
+    if not options.quiet:
+        print(
+            f"{len(mesh.points)} nodes, {len(mesh.triangles)} triangles, "
+            f"{int((mesh.region == 1).sum())} of them kirigami"
+        )
+    return 0

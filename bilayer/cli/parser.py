@@ -1,0 +1,119 @@
+"""Parsing the words of a verb: its options, those that all verbs share, and its errors."""
+
+import argparse
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+from bilayer.errors import InputError
+from bilayer.mesh.generation import generate_mesh
+from bilayer.mesh.planar import PlanarMesh, read_planar_mesh
+from bilayer.results.result import open_result, result_mesh
+from bilayer.specimen.specimen import KIRIGAMI, Specimen
+from bilayer.specimen.toml import read_specimen
+
+CUT_TOLERANCE = 0.02
+"""Of the area, between what the kirigami of a mesh covers and what the cut leaves of it."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, and whose epilog may be computed when it is asked for."""
+
+    late_epilog: Callable[[], str] | None = None
+
+    def __init__(self, **options: Any) -> None:
+        options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        super().__init__(allow_abbrev=False, **options)
+
+    def error(self, message: str) -> NoReturn:
+        """End with exit status 2 and one line on stderr."""
+        self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
+
+    def format_help(self) -> str:
+        """Return the help text; the late epilog is computed now."""
+        if self.late_epilog is not None:
+            self.epilog = f"{self.epilog}\n\n{self.late_epilog()}"
+            self.late_epilog = None
+        return super().format_help()
+
+
+def add_verb(verbs: Any, run: Callable[[Any], int], name: str, text: str, example: str) -> Parser:
+    """Add a verb with the options that all of them share; `run` is what it does."""
+    verb = verbs.add_parser(name, help=text, description=text, epilog=f"example:\n  {example}")
+    verb.add_argument("--quiet", action="store_true", help="no progress, no table")
+    verb.add_argument("--verbose", action="store_true", help="settings in use, traces of errors")
+    verb.set_defaults(run=run)
+    return verb
+
+
+def add_specimen_arguments(verb: Parser) -> None:
+    """Add the specimen file and what may be changed of it."""
+    verb.add_argument("specimen", help="the specimen's TOML file")
+    verb.add_argument("--mesh-size", metavar="M", help="edge length of the planar mesh, m")
+    verb.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+        help="replace one value of the specimen, as in --set substrate.thickness=0.0008",
+    )  # fmt: skip
+
+
+def add_case_arguments(verb: Parser) -> None:
+    """Add which of the specimen's prestretches are meant, and on which mesh."""
+    verb.add_argument(
+        "--prestretch", nargs="+", metavar="L",
+        help="milestones instead of the file's; L, or LX,LY for two directions",
+    )  # fmt: skip
+    verb.add_argument(
+        "--mesh", metavar="FILE", help="a planar mesh, or a result's, instead of a generated one"
+    )
+
+
+def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
+    """Read the specimen of the command line, some of its values replaced."""
+    if options.mesh_size is not None:
+        overrides = [*overrides, f"mesh.size={options.mesh_size}"]
+    specimen = read_specimen(options.specimen, overrides)
+    if getattr(options, "prestretch", None) is None:
+        return specimen
+    return specimen.with_milestones([_milestone(word) for word in options.prestretch])
+
+
+def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
+    """Return the mesh of the command line, as large as the specimen, or a generated one."""
+    if options.mesh is None:
+        return generate_mesh(specimen)
+    if Path(options.mesh).suffix == ".nc":
+        mesh = result_mesh(open_result(options.mesh))
+    else:
+        mesh = read_planar_mesh(options.mesh)
+    radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
+    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
+        raise InputError(
+            f"mesh file {options.mesh}: its outermost node lies at {radius:g} m, expected "
+            f"specimen.outer_radius = {specimen.outer_radius} m"
+        )
+    if specimen.cut is not None:
+        _check_cut(options.mesh, mesh, specimen)
+    return mesh
+
+
+def _check_cut(file: str, mesh: PlanarMesh, specimen: Specimen) -> None:
+    """Raise InputError where the kirigami of a mesh is not as large as the cut leaves it."""
+    covered = float(mesh.areas[mesh.region == KIRIGAMI].sum() / mesh.areas.sum())
+    expected = specimen.kirigami_share
+    if abs(covered - expected) > CUT_TOLERANCE:
+        raise InputError(
+            f"mesh file {file}: kirigami covers {covered:.1%} of it, expected {expected:.1%} by "
+            "[cut]; a mesh with a pattern of its own goes with a specimen without [cut]"
+        )
+
+
+def _milestone(word: str) -> Any:
+    """Read L or LX,LY; "1,06" is a decimal comma, not a stretch of 6."""
+    if re.search(r",0\d", word):
+        raise InputError(f"--prestretch {word}: expected a decimal point, not a comma")
+    try:
+        numbers = tuple(float(part) for part in word.split(","))
+    except ValueError:
+        raise InputError(f"--prestretch {word}: expected a number, or two as LX,LY") from None
+    return numbers[0] if len(numbers) == 1 else numbers

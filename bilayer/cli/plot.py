@@ -1,0 +1,25 @@
+"""The verb `plot`: the shapes of a result as a picture."""
+
+import argparse
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.results.result import open_result
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "plot", "draw isometric and bird's-eye views per prestretch",
+        "bilayer plot fenics.nc -o shape.png",
+    )  # fmt: skip
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("-o", "--output", required=True, metavar="FIGURE")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    from bilayer.figures import draw_shapes, save_figure  # matplotlib takes half a second
+
+    save_figure(draw_shapes(open_result(options.result)), options.output)
+    return 0

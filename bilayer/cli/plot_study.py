@@ -1,0 +1,48 @@
+"""The verb `plot-study`: a quantity over a field of a study, as a picture."""
+
+import argparse
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.errors import InputError
+from bilayer.specimen.toml import toml_value
+from bilayer.study.dataset import open_study
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "plot-study", "draw a quantity of a study over one of its fields",
+        "bilayer plot-study study --x cut.cutout_angle --y quality --hue cut.strips "
+        "--prestretch 1.15 -o FIG.png",
+    )  # fmt: skip
+    verb.add_argument("study", metavar="DIR", help="the study's folder")
+    verb.add_argument("--x", required=True, metavar="FIELD", help="along: a field or prestretch")
+    verb.add_argument("--y", default="quality", metavar="SCALAR", help="up; quality if left out")
+    verb.add_argument("--hue", metavar="FIELD", help="a line for each of its values")
+    verb.add_argument("--prestretch", metavar="L", help="the one that is drawn")
+    verb.add_argument(
+        "--select", action="append", default=[], metavar="FIELD=VALUE",
+        help="draw only what has this value",
+    )  # fmt: skip
+    verb.add_argument("-o", "--output", required=True, metavar="FIGURE")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    from bilayer.figures import save_figure  # matplotlib takes half a second
+    from bilayer.study.figure import draw_study
+
+    chosen = dict(_selection(word) for word in options.select)
+    if options.prestretch is not None:
+        chosen["prestretch"] = toml_value(options.prestretch)
+    study = open_study(options.study)
+    save_figure(draw_study(study, options.x, options.y, options.hue, chosen), options.output)
+    return 0
+
+
+def _selection(word: str) -> tuple[str, Any]:
+    name, separator, value = word.partition("=")
+    if not separator:
+        raise InputError(f"--select {word}: expected FIELD=VALUE")
+    return name.strip(), toml_value(value)

@@ -1,0 +1,60 @@
+"""The verb `rerun`: a result computed again, and whether the numbers agree."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.results.result import open_result, write_result
+from bilayer.runtime.output_file import check_writable
+from bilayer.runtime.progress import progress_bar
+from bilayer.runtime.ranks import is_first_rank, join_mpi
+from bilayer.solvers.registry import solver_package
+from bilayer.solvers.rerun import (
+    AGREEMENT,
+    agree,
+    as_far_as_it_came,
+    began_elsewhere,
+    differences,
+    rerun,
+)
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "rerun", "compute a result again, and say whether the numbers agree",
+        "bilayer rerun result.nc",
+    )  # fmt: skip
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("-o", "--output", metavar="FILE.nc", help="keep the new result")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status: 0 where the shapes agree."""
+    join_mpi()
+    first = is_first_rank()
+    result = as_far_as_it_came(open_result(options.result))
+    if not (first or solver_package(result.attrs["solver"]).PARALLEL):
+        return 0  # the first rank computes alone
+    if options.output is not None:
+        check_writable(Path(options.output))
+    if first and began_elsewhere(result):
+        print(
+            f"bilayer: it was started from {result.attrs['start']}, which it does not hold; "
+            "computed as usual",
+            file=sys.stderr,
+        )
+    title = f"{result.attrs['solver']} {result.attrs['model']}"
+    with progress_bar(title, shown=first and not options.quiet) as progress:
+        again = rerun(result, progress)
+    if first and options.output is not None:
+        write_result(again, options.output)
+    table, good = differences(result, again), agree(result, again)
+    if first:
+        if not options.quiet:
+            print(table.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+        same = "to the last bit" if table["same_bits"].all() else f"to {AGREEMENT:g} of the radius"
+        print(f"The two runs agree {same}." if good else "The two runs DO NOT AGREE.")
+    return 0 if good else 1

@@ -1,0 +1,101 @@
+"""The verb `solve`: the released shapes of a specimen, by one of the solvers."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from bilayer.cli.parser import (
+    add_case_arguments,
+    add_specimen_arguments,
+    add_verb,
+    mesh_of,
+    specimen_of,
+)
+from bilayer.errors import InputError, Interrupted
+from bilayer.results.report import result_table
+from bilayer.results.result import open_result, write_result
+from bilayer.runtime.output_file import check_writable
+from bilayer.runtime.progress import progress_bar
+from bilayer.runtime.ranks import is_first_rank, join_mpi
+from bilayer.runtime.termination import termination_as_ctrl_c
+from bilayer.solvers.registry import SOLVERS, STARTS, settings_kind, solve, solver_package
+from bilayer.specimen.settings import describe, settings_from, split_solver_settings
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "solve", "compute the released shapes; write them as NetCDF",
+        "bilayer solve specimen.toml --solver fenics -o fenics.nc --prestretch 1.03 1.06\n"
+        "  mpirun -n 2 bilayer solve specimen.toml --solver fenics -o fenics.nc",
+    )  # fmt: skip
+    add_specimen_arguments(verb)
+    verb.add_argument("--solver", required=True, choices=list(SOLVERS))
+    verb.add_argument("--model", help="one of the solver's models, listed below")
+    verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
+    add_case_arguments(verb)
+    verb.add_argument(
+        "--start", metavar="START",
+        help="what leads the way: 'shell' (the accurate discrete shell; the default of fenics), "
+        "'flat' (nothing: load stepping alone; for a fine mesh of the shell see "
+        "solver.coarse_triangles), or a result FILE.nc on the same mesh",
+    )  # fmt: skip
+    verb.late_epilog = _describe_settings
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    join_mpi()
+    first = is_first_rank()
+    if not (first or solver_package(options.solver).PARALLEL):
+        return 0  # the first rank computes alone
+    check_writable(Path(options.output))
+    values, overrides = split_solver_settings(options.overrides)
+    if "model" in values:
+        raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")
+    specimen = specimen_of(options, overrides)
+    settings: Any = settings_from(settings_kind(options.solver, options.model), values)
+    mesh = None if options.mesh is None else mesh_of(options, specimen)
+    start = options.start if options.start in (None, *STARTS) else open_result(options.start)
+    if options.verbose and first:
+        print(settings, file=sys.stderr)
+    with (
+        termination_as_ctrl_c(),
+        progress_bar(options.solver, shown=first and not options.quiet) as progress,
+    ):
+        try:
+            result = solve(
+                specimen, options.solver, settings, mesh=mesh, start=start, progress=progress
+            )
+        except Interrupted as interrupted:
+            write_result(interrupted.result, options.output)
+            _tell_what_is_kept(interrupted.result, options.output)
+            raise
+    if first:
+        write_result(result, options.output)
+        if not options.quiet:
+            print(result_table(result))
+    return _status_of(result, settings, told=first)
+
+
+def _tell_what_is_kept(result: Any, file: str) -> None:
+    done = f"{int(result['converged'].sum())} of {result.sizes['prestretch']}"
+    print(f"bilayer: interrupted; {file} has {done} milestones", file=sys.stderr)
+
+
+def _describe_settings() -> str:
+    lines = ["settings of the solvers, changed by --set solver.NAME=VALUE:"]
+    for name in SOLVERS:
+        for model, kind in solver_package(name).MODELS.items():
+            lines += [f"\n--solver {name} --model {model}", describe(kind)]
+    return "\n".join(lines)
+
+
+def _status_of(result: Any, settings: Any, told: bool) -> int:
+    """Return 1 for a run that stopped early, unless stopping is one of the model's results."""
+    if bool(result["converged"].all()):
+        return 0
+    if told:
+        print(f"bilayer: stopped early: {result.attrs['stop_reason']}", file=sys.stderr)
+    return 0 if getattr(settings, "stopping_is_a_result", False) else 1

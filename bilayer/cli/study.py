@@ -1,0 +1,135 @@
+"""The verb `study`: many specimens from one file; what is finished is kept and not done again."""
+
+import argparse
+import os
+import sys
+from typing import Any
+
+import pandas as pd
+
+from bilayer.cli.parser import add_verb
+from bilayer.errors import InputError
+from bilayer.runtime.progress import progress_bar
+from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
+from bilayer.study.estimate import estimate, estimate_text
+from bilayer.study.folder import StudyFolder
+from bilayer.study.index import DONE, read_index
+from bilayer.study.plan import StudyPlan, read_study
+from bilayer.study.processes import available_cores
+from bilayer.study.run import cases_to_compute, run_one_case, run_study, run_study_on_ranks
+from bilayer.validation import whole
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "study", "compute many specimens; a second start goes on where one ended",
+        "bilayer study study.toml -o study --dry-run\n"
+        "  bilayer study study.toml -o study --jobs 4\n"
+        "  mpirun -n 8 bilayer study study.toml -o study --ranks-per-case 2",
+    )  # fmt: skip
+    verb.add_argument("study", help="the study's TOML file")
+    verb.add_argument("-o", "--output", required=True, metavar="DIR", help="the study's folder")
+    verb.add_argument(
+        "--jobs", metavar="N", help="cases at a time; all cores it may use where left out"
+    )
+    verb.add_argument(
+        "--ranks-per-case", default="1", metavar="N", help="under mpirun: ranks that share a case"
+    )
+    verb.add_argument(
+        "--retry-failed", action="store_true", help="compute again what failed or stopped early"
+    )
+    what = verb.add_mutually_exclusive_group()
+    what.add_argument(
+        "--dry-run", action="store_true", help="say what there is to do, and compute nothing"
+    )
+    what.add_argument(
+        "--case", metavar="I", help="compute only the case of this number, from 1; for job arrays"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    join_mpi()
+    plan = read_study(options.study)
+    jobs = available_cores() if options.jobs is None else _count("--jobs", options.jobs)
+    ranks_per_case = _count("--ranks-per-case", options.ranks_per_case)
+    world = world_of_ranks()
+    if options.dry_run:
+        if is_first_rank():
+            at_a_time = jobs if world is None else -(-world.Get_size() // ranks_per_case)
+            print(_expectation(plan, options, at_a_time))
+        return 0
+    if options.case is not None:
+        return _run_case(plan, options, world)
+    _one_thread_per_process()
+    with progress_bar("study", shown=is_first_rank() and not options.quiet) as progress:
+        if world is None:
+            index = run_study(
+                plan, options.output, jobs=jobs, retry_failed=options.retry_failed,
+                progress=progress,
+            )  # fmt: skip
+        else:
+            index = run_study_on_ranks(
+                plan, options.output, world, ranks_per_case=ranks_per_case,
+                retry_failed=options.retry_failed, progress=progress,
+            )  # fmt: skip
+    return _report(index, options) if is_first_rank() else _status(index)
+
+
+def _run_case(plan: StudyPlan, options: argparse.Namespace, world: Any) -> int:
+    number = _count("--case", options.case)
+    run_one_case(
+        plan, options.output, number, world=world, retry_failed=options.retry_failed
+    )  # fmt: skip
+    identity = plan.cases[number - 1].identity
+    index = read_index(StudyFolder(options.output))
+    return _report(index[index["case"] == identity], options) if is_first_rank() else 0
+
+
+def _expectation(plan: StudyPlan, options: argparse.Namespace, at_a_time: int) -> str:
+    """Return what a start would do, in one line."""
+    folder = StudyFolder(options.output)
+    index = read_index(folder) if folder.plan_file.exists() else None
+    waiting = cases_to_compute(plan, folder, options.retry_failed)
+    return f"{len(plan.cases)} cases, {estimate_text(estimate(waiting, index), at_a_time)}"
+
+
+def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:
+    """Print what there is now; return the exit status."""
+    cases = index.drop_duplicates("case")
+    bad = cases[cases["status"] != DONE]
+    for _, case in bad.iterrows():
+        print(
+            f"bilayer: case {case['case']} ({_values(case)}) {case['status']}: {case['reason']}",
+            file=sys.stderr,
+        )
+    if not options.quiet:
+        counts = cases["status"].value_counts()
+        print(", ".join(f"{count} {status}" for status, count in counts.items()))
+        print(StudyFolder(options.output).index_file)
+    return _status(index)
+
+
+def _status(index: pd.DataFrame) -> int:
+    return int(bool((index["status"] != DONE).any()))
+
+
+def _values(case: pd.Series) -> str:
+    columns = list(case.index)
+    names = columns[columns.index("model") + 1 : columns.index("prestretch")]
+    varied = case[names].dropna()
+    return ", ".join([case["solver"], *(f"{name} = {value}" for name, value in varied.items())])
+
+
+def _count(name: str, word: str) -> int:
+    try:
+        return whole(name, float(word), at_least=1)
+    except ValueError:
+        raise InputError(f"{name} = {word}: expected a whole number of at least 1") from None
+
+
+def _one_thread_per_process() -> None:
+    """Let BLAS use one thread in each process, unless the user asks for more."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")

@@ -1,0 +1,1 @@
+"""How near a released body comes to itself."""

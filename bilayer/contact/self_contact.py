@@ -1,0 +1,219 @@
+"""How near a released body comes to itself, from the skin of its layers.
+
+The skin is the closed surface of the body: the layers' outer sides above and below the bonded
+interface, the interface where one of them is cut out, walls at the rim and along the cuts. Two
+places of it can touch only where the sheet is bent back onto itself, which is told on the
+interface, so that a tight curl whose inner side is short is not mistaken for contact.
+docs/measures.md has the definition.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.contact.bent_back import Balls, Places, bent_back_pairs
+from bilayer.contact.triangle_distance import triangle_distance
+from bilayer.geometry.surface import Surface
+from bilayer.mesh.planar import PlanarMesh, flat_surface
+from bilayer.specimen.specimen import Specimen
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+REACH = 1.0
+"""Gaps are measured up to this many bonded thicknesses of both layers together."""
+TOUCHING = 1e-6
+"""Skins nearer than this share of that thickness touch: above round-off, below every error."""
+MIDDLE_ROUNDS = 3
+"""Rounds of the fixed point for the height of a layer, the first from the interface's area."""
+BATCH = 4096
+"""Pairs of triangles that are measured at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A layer as the skin knows it.
+
+    Parameters
+    ----------
+    height : float
+        Of its outer side over the interface in the flat bonded state, m, negative below.
+    faces : (k,) array of int
+        Triangles that it covers.
+    """
+
+    height: float
+    faces: Indices
+
+
+@dataclass(frozen=True, eq=False)
+class BondedBody:
+    """A flat bilayer as a solid.
+
+    Parameters
+    ----------
+    mesh : PlanarMesh
+        The bonded interface.
+    sheets : sequence of Sheet
+        The layers.
+    shrinkage : float
+        Length that a stretched layer would take if it were free over its bonded length: the
+        largest shortening of the interface that is no bending back.
+    """
+
+    mesh: PlanarMesh
+    sheets: Sequence[Sheet]
+    shrinkage: float = 1.0
+
+    @classmethod
+    def of(cls, specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]) -> "BondedBody":
+        """Return the body that a specimen is when bonded at a prestretch."""
+        layers = specimen.bonded_layers(stretch)
+        sheets = [
+            Sheet(part.top if part.is_above else part.bottom, mesh.faces_in(part.regions))
+            for part in layers
+        ]
+        longest = max(max(part.stretch) for part in layers)
+        return cls(mesh, sheets, shrinkage=1 / max(1.0, longest))
+
+    @property
+    def thickness(self) -> float:
+        """Of all layers together, m."""
+        return sum(abs(sheet.height) for sheet in self.sheets)
+
+    @property
+    def reach(self) -> float:
+        """Up to where a gap is measured, m."""
+        return REACH * self.thickness
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """The closed surface of a body; `face` is the mesh's triangle that each of its own covers."""
+
+    surface: Surface
+    face: Indices
+
+
+def self_contact_gap(body: BondedBody, position: Array) -> float:
+    """Return the smallest distance between two places of the skin that are bent back, m.
+
+    Parameters
+    ----------
+    body : BondedBody
+        The flat state.
+    position : (n, 3) array of float
+        The bonded interface on the nodes of its mesh, m.
+
+    Returns
+    -------
+    float
+        0 where the body touches or crosses itself; infinity where no two places that are bent back
+        onto each other come nearer than `body.reach`.
+    """
+    interface = Surface(np.asarray(position, dtype=np.float64), body.mesh.triangles)
+    skin = skin_of(body, interface)
+    pairs = _bent_back_pairs(body, interface, skin)
+    touching = TOUCHING * body.thickness
+    nearest = _smallest_distance(skin.surface.corners, pairs, touching, body.reach)
+    return 0.0 if nearest <= touching else nearest
+
+
+def skin_of(body: BondedBody, interface: Surface) -> Skin:
+    """Return the skin of a released body, its triangles turned outward."""
+    mesh, n = body.mesh, len(interface.points)
+    points, parts = [interface.points], []
+    for number, sheet in enumerate(body.sheets, start=1):
+        points.append(interface.points + _fibres(mesh, interface, sheet.faces, sheet.height))
+        uncovered = np.setdiff1d(np.arange(len(mesh.triangles)), sheet.faces)
+        outward = mesh.triangles if sheet.height > 0 else mesh.triangles[:, ::-1]
+        lower, upper = sorted((0, number * n), reverse=sheet.height < 0)
+        parts += [
+            (outward[sheet.faces] + number * n, sheet.faces),
+            (outward[uncovered], uncovered),
+            _walls(mesh, sheet.faces, lower, upper),
+        ]
+    triangles, face = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Skin(Surface(np.concatenate(points), triangles), face)
+
+
+def _fibres(mesh: PlanarMesh, interface: Surface, faces: Indices, height: float) -> Array:
+    """Return the fibres of a layer from the interface to its other side, m, (n, 3).
+
+    Straight, along the area-weighted normals of the layer's own triangles, so that a bare wedge
+    that is folded does not tilt the kirigami beside it; zero at nodes without the layer. The layer
+    keeps its volume: it is as high as it was over the area stretch of its own middle surface.
+    """
+    triangles = mesh.triangles[faces]
+    layer = Surface(interface.points, triangles)
+    thirds, corners = np.repeat(layer.area_vectors / 3, 3, axis=0), triangles.ravel()
+    n = len(interface.points)
+    sums = np.column_stack([np.bincount(corners, part, minlength=n) for part in thirds.T])
+    covered = layer.node_areas > 0
+    normals = sums / np.where(covered, np.linalg.norm(sums, axis=1), 1)[:, None]
+    flat = Surface(flat_surface(mesh).points, triangles).node_areas
+    fibres = np.zeros_like(normals)
+    for _ in range(MIDDLE_ROUNDS):
+        middle = Surface(interface.points + fibres / 2, triangles).node_areas
+        stretch = np.divide(middle, flat, out=np.ones_like(flat), where=covered)
+        fibres = height / stretch[:, None] * normals
+    return fibres
+
+
+def _walls(mesh: PlanarMesh, faces: Indices, lower: int, upper: int) -> tuple[Indices, Indices]:
+    """Return the walls around some triangles between two sheets, and the triangle of each."""
+    corners = mesh.triangles[faces]
+    edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    _, place, count = np.unique(np.sort(edges), axis=0, return_inverse=True, return_counts=True)
+    outline = count[place.ravel()] == 1
+    a, b = edges[outline].T
+    walls = [[a + lower, b + lower, b + upper], [a + lower, b + upper, a + upper]]
+    return np.concatenate([np.stack(wall, axis=1) for wall in walls]), np.tile(
+        np.repeat(faces, 3)[outline], 2
+    )
+
+
+def _bent_back_pairs(body: BondedBody, interface: Surface, skin: Skin) -> Indices:
+    """Return pairs of the skin's triangles that are bent back, (k, 2), the nearest among them."""
+    flat = flat_surface(body.mesh)
+    natural, chord = (s.corners.mean(axis=1)[skin.face] for s in (flat, interface))
+    corners, points = skin.surface.corners, np.zeros(len(skin.face))
+    places = Places(
+        Balls(body.shrinkage * natural, points),
+        Balls(chord, points),
+        Balls(corners.mean(axis=1), _radii(corners)),
+    )
+    bonded = skin_of(body, flat).surface.corners.mean(axis=1)
+    return bent_back_pairs(places, bonded, body.mesh.triangles[skin.face], body.reach)
+
+
+def _apart(points: Array, one: Indices, other: Indices) -> Array:
+    """Return the distance of each two points, m."""
+    between = points[one] - points[other]
+    return np.sqrt(np.einsum("ij,ij->i", between, between))
+
+
+def _smallest_distance(corners: Array, pairs: Indices, touching: float, reach: float) -> float:
+    """Return the smallest distance of the pairs of triangles; infinity where beyond reach.
+
+    Nearest first by their circles, until no other pair can be nearer than the best, or two touch.
+    """
+    centres, radii = corners.mean(axis=1), _radii(corners)
+    one, other = pairs.T
+    at_least = _apart(centres, one, other) - radii[one] - radii[other]
+    order = np.argsort(at_least)
+    best = float(np.inf)
+    for start in range(0, len(order), BATCH):
+        batch = order[start : start + BATCH]
+        if best <= touching or at_least[batch[0]] > min(best, reach):
+            break
+        found = triangle_distance(corners[one[batch]], corners[other[batch]]).min()
+        best = min(best, float(found))
+    return best if best <= reach else float(np.inf)
+
+
+def _radii(corners: Array) -> Array:
+    """Return the distance of each triangle's farthest corner from its centre, m."""
+    return np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)

@@ -1,0 +1,45 @@
+"""A figure as a file: whole or not at all, and the same bytes from the same data."""
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from bilayer.errors import InputError
+from bilayer.figures.style import print_style
+from bilayer.runtime.output_file import whole_file
+from bilayer.validation import one_of
+
+DOTS_PER_INCH = 200
+_NO_TIME_STAMP: dict[str, dict[str, Any]] = {
+    "pdf": {"CreationDate": None},
+    "svg": {"Date": None},
+    "ps": {},
+    "eps": {},
+}
+
+
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure in the format of the file's ending: png, pdf, svg or another of matplotlib's.
+
+    Raises
+    ------
+    InputError
+        The ending is not one of matplotlib's, or the folder does not exist or cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk; an earlier file stays as it was.
+    """
+    kind = _format_of(Path(path))
+    metadata = _NO_TIME_STAMP.get(kind)
+    FigureCanvasAgg(figure)
+    with print_style(), whole_file(path, "figure") as partial:
+        figure.savefig(partial, format=kind, dpi=DOTS_PER_INCH, metadata=metadata)
+
+
+def _format_of(path: Path) -> str:
+    known = FigureCanvasAgg.get_supported_filetypes()
+    ending = path.suffix.removeprefix(".").lower()
+    if not ending:
+        raise InputError(f"figure {path}: has no ending, expected one of {', '.join(known)}")
+    return one_of(f"ending of figure {path}", ending, known)

@@ -1,0 +1,221 @@
+"""The released shapes, isometric and from above, as in the paper's figures 2 and 3.
+
+Every panel shows one milestone in its body frame, apex up, at the same scale; a milestone that was
+not reached shows the last shape on the way to it.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.figures.style import (
+    BARE_COLOUR,
+    KIRIGAMI_COLOUR,
+    MILLIMETRES,
+    new_figure,
+    print_style,
+)
+from bilayer.geometry.surface import Surface
+from bilayer.measures.body_frame import body_frame
+from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.results.caveats import caveats
+from bilayer.results.comparison import result_label
+from bilayer.results.result import result_mesh
+from bilayer.results.table import stretch_text, stretches
+
+Array = NDArray[np.float64]
+
+COLUMNS = 4
+PANEL_WIDTH = 1.8
+"""Inches."""
+LIGHT = np.array([-0.5, -0.35, 0.8])
+"""Direction to the light, in the body frame."""
+TRIAD = 10.0
+"""Length of the axes drawn in an isometric view, mm."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A parallel projection, from the azimuth and elevation of the eye, rad."""
+
+    azimuth: float
+    elevation: float
+
+    def project(self, points: Array) -> Array:
+        """Return points (..., 3) as (right, up, toward the eye)."""
+        ca, sa = math.cos(self.azimuth), math.sin(self.azimuth)
+        ce, se = math.cos(self.elevation), math.sin(self.elevation)
+        right, up = np.array([-sa, ca, 0.0]), np.array([-se * ca, -se * sa, ce])
+        return points @ np.array([right, up, [ce * ca, ce * sa, se]]).T
+
+
+ISOMETRIC = View(-math.pi / 4, math.asin(1 / math.sqrt(3)))
+BIRDS_EYE = View(-math.pi / 2, math.pi / 2)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One shape to draw: its surface in the body frame, mm, its title and a note."""
+
+    title: str
+    note: str
+    surface: Surface
+
+
+def draw_isometric(result: xr.Dataset) -> Figure:
+    """Draw an isometric view of every milestone; see `draw_shapes`."""
+    return _draw_views(result, [ISOMETRIC])
+
+
+def draw_birds_eye(result: xr.Dataset) -> Figure:
+    """Draw every milestone as seen from above; see `draw_shapes`."""
+    return _draw_views(result, [BIRDS_EYE])
+
+
+def draw_shapes(result: xr.Dataset) -> Figure:
+    """Draw every milestone in both views, the isometric ones first.
+
+    Parameters
+    ----------
+    result : Dataset
+        See `bilayer.results.result`.
+
+    Raises
+    ------
+    InputError
+        The result holds no shape.
+    """
+    return _draw_views(result, [ISOMETRIC, BIRDS_EYE])
+
+
+def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
+    """Stack the views, each a grid of panels, under one legend."""
+    mesh = result_mesh(result)
+    shapes = _shapes(result, mesh)
+    rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)
+    frames = [_frame(view, shapes) for view in views]
+    heights = [rows * (PANEL_WIDTH * up / right + 0.25) + 0.25 for right, up in map(_size, frames)]
+    with print_style():
+        figure = new_figure(max(PANEL_WIDTH * columns + 0.4, 3.4), sum(heights) + 0.5)
+        legend, *parts = figure.subfigures(
+            1 + len(views), 1, height_ratios=[0.5, *heights], squeeze=False
+        )[:, 0]
+        _draw_legend(legend, result, mesh)
+        for view, frame, part in zip(views, frames, parts, strict=True):
+            panels = part.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+            for axes, shape in zip(panels.flat, shapes, strict=False):
+                _draw_shape(axes, shape, mesh.region, view, frame)
+            for axes in panels.flat[len(shapes) :]:
+                axes.set_visible(False)
+            if view is BIRDS_EYE:
+                _label_axes(panels, len(shapes))
+            else:
+                _draw_triad(panels, view, frame)
+    return figure
+
+
+def _shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
+    """Shapes of all milestones that have one, in the body frame."""
+    pairs = stretches(result)
+    shapes = []
+    for k, note in enumerate(caveats(result)):
+        milestone = result.isel(prestretch=k)
+        position = milestone["position"].values
+        if not milestone["converged"] and "last_position" in milestone:
+            position = milestone["last_position"].values
+            note = f"stopped at {float(milestone['last_prestretch']):.4g}"
+        if np.isfinite(position).all():
+            upright = MILLIMETRES * body_frame(mesh, position).coordinates(position)
+            title = f"λ = {stretch_text(pairs[k])}"
+            shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
+    if not shapes:
+        raise InputError(f"the result of {result_label(result)} holds no shape to draw")
+    return shapes
+
+
+def _frame(view: View, shapes: Sequence[Shape]) -> Array:
+    """Lowest and highest (right, up) that hold every shape as seen, mm, shape (2, 2)."""
+    seen = np.concatenate([view.project(shape.surface.points)[:, :2] for shape in shapes])
+    margin = 0.03 * np.ptp(seen)
+    room = 0.0 if view is BIRDS_EYE else 0.7 * TRIAD  # below, for the triad
+    return np.array([seen.min(axis=0) - [margin, margin + room], seen.max(axis=0) + margin])
+
+
+def _size(frame: Array) -> Array:
+    return frame[1] - frame[0]
+
+
+def _draw_shape(
+    axes: Axes, shape: Shape, region: NDArray[np.int64], view: View, frame: Array
+) -> None:
+    """Draw the triangles from the farthest to the nearest."""
+    seen = view.project(shape.surface.corners)
+    order = np.argsort(seen[:, :, 2].mean(axis=1))
+    colours = _shaded(shape.surface, region)[order]
+    # edges in the colour of the faces close the gaps that smoothing would leave between them
+    axes.add_collection(
+        PolyCollection(
+            list(seen[order, :, :2]), facecolors=colours, edgecolors=colours, linewidths=0.25
+        )
+    )
+    axes.set(xlim=frame[:, 0], ylim=frame[:, 1], aspect="equal")
+    axes.xaxis.set_major_locator(MultipleLocator(20))
+    axes.yaxis.set_major_locator(MultipleLocator(20))
+    axes.set_title(shape.title, pad=3)
+    axes.annotate(
+        shape.note, (0.98, 0.02), xycoords="axes fraction", ha="right", va="bottom", fontsize=7
+    )
+
+
+def _label_axes(panels: NDArray[Any], shown: int) -> None:
+    """Name the axes of a view along x and y, on the left and under the last panel of a column."""
+    columns = panels.shape[1]
+    for place, axes in enumerate(panels.flat[:shown]):
+        if place % columns == 0:
+            axes.set_ylabel("y (mm)")
+        if place + columns >= shown:
+            axes.set_xlabel("x (mm)")
+            axes.tick_params(labelbottom=True)
+
+
+def _draw_triad(panels: NDArray[Any], view: View, frame: Array) -> None:
+    """Take the axes of an oblique view away; the first panel gets its directions and scale."""
+    for axes in panels.flat:
+        axes.set_axis_off()
+    first = panels[0, 0]
+    corner = frame[0] + TRIAD * np.array([0.3, 0.6])
+    for name, tip in zip("xyz", view.project(TRIAD * np.eye(3))[:, :2], strict=True):
+        arrow = {"arrowstyle": "->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        first.annotate("", corner + tip, xytext=corner, arrowprops=arrow)
+        first.text(*(corner + 1.3 * tip), name, ha="center", va="center", fontsize=7)
+    first.text(*(corner + TRIAD * np.array([1.3, -0.5])), f"axes: {TRIAD:g} mm", va="center",
+               fontsize=7)  # fmt: skip
+
+
+def _draw_legend(figure: SubFigure, result: xr.Dataset, mesh: PlanarMesh) -> None:
+    patches = [Patch(color=KIRIGAMI_COLOUR, label="bilayer")]
+    if np.any(mesh.region != KIRIGAMI):
+        patches.append(Patch(color=BARE_COLOUR, label="bare substrate"))
+    figure.legend(handles=patches, loc="center", ncols=2, title=result_label(result))
+
+
+def _shaded(surface: Surface, region: NDArray[np.int64]) -> Array:
+    """Colour of each triangle, by its region and how it faces the light, (m, 3) from 0 to 1.
+
+    Half Lambert shading keeps the sides away from the light apart, too.
+    """
+    base = np.array([to_rgb(BARE_COLOUR), to_rgb(KIRIGAMI_COLOUR)])[region]
+    toward_light = surface.area_vectors @ (LIGHT / np.linalg.norm(LIGHT)) / surface.areas
+    return base * (0.35 + 0.65 * ((1 + toward_light) / 2) ** 1.5)[:, None]

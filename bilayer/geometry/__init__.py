@@ -1,0 +1,1 @@
+"""Surfaces in space, their alignment and distances; nothing of specimens or meshes."""

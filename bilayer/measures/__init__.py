@@ -1,0 +1,1 @@
+"""Measures of a released shape: its own frame, spans, best sphere, hemisphere."""

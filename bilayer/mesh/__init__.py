@@ -1,0 +1,1 @@
+"""The planar mesh that both solvers share: generated, checked, read and written."""

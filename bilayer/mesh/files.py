@@ -1,0 +1,69 @@
+"""Mesh files in any format that meshio knows, with its messages as errors of this project."""
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from bilayer.errors import BilayerError, InputError
+from bilayer.runtime.output_file import HDF5_ROOM, whole_file
+
+FORMATS = {".msh": "gmsh22"}
+"""Where the ending leaves a choice: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
+
+
+def read_mesh_file(path: str | Path) -> meshio.Mesh:
+    """Read a mesh file, the format told by its ending.
+
+    Raises
+    ------
+    InputError
+        The file is missing, of an unknown format, or not what its ending says.
+    """
+    try:
+        with _meshio_speaks_by_errors(path, "read"):
+            return meshio.read(path)
+    except OSError as error:
+        raise InputError(f"mesh file {path}: cannot be read ({error.strerror})") from error
+
+
+def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
+    """Write a mesh file, the format told by its ending; whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The format is unknown or cannot hold this mesh, or the folder cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk.
+    """
+    ending = Path(path).suffix
+    if ending not in meshio.extension_to_filetypes:
+        known = ", ".join(sorted(meshio.extension_to_filetypes))
+        raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
+    file_format = FORMATS.get(ending)
+    arrays = [mesh.points, *(block.data for block in mesh.cells), *mesh.point_data.values()]
+    room = sum(np.asarray(array).nbytes for array in arrays) + HDF5_ROOM  # .xdmf has an .h5
+    with whole_file(path, "mesh file", room) as partial, _meshio_speaks_by_errors(path, "written"):
+        meshio.write(partial, mesh, file_format=file_format)
+
+
+@contextmanager
+def _meshio_speaks_by_errors(path: str | Path, done: str) -> Iterator[None]:
+    """Turn meshio's many ways to fail into an InputError; errors of the disk pass.
+
+    meshio prints its messages, some of them blank lines, and even ends the process; what it
+    prints is kept off the terminal and becomes part of the error.
+    """
+    printed = io.StringIO()
+    try:
+        with redirect_stdout(printed), redirect_stderr(printed):
+            yield
+    except (OSError, BilayerError):
+        raise
+    except (Exception, SystemExit) as error:
+        reason = " ".join(printed.getvalue().split()) or str(error) or type(error).__name__
+        raise InputError(f"mesh file {path}: cannot be {done} ({reason})") from error

@@ -1,0 +1,1 @@
+"""The dataset of a run: made, written, read, compared, converted, reported."""

@@ -1,0 +1,179 @@
+"""Two results on the same planar mesh, milestone by milestone.
+
+The rms distance is taken over the nodes of the bonded interface, by their flat lumped areas, after
+the rigid motion that makes it least. Everything else is each result's own measure, side by side.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.geometry.alignment import rms_distance
+from bilayer.measures.shape import outer_radius
+from bilayer.mesh.planar import PlanarMesh, flat_surface
+from bilayer.results.caveats import is_unstable, touches_itself
+from bilayer.results.result import SAME_STRETCH, result_mesh, result_specimen
+from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.specimen.specimen import MeshSize, Specimen
+
+MEASURES = (
+    "quality",
+    "hemisphere_distance",
+    "sphere_radius",
+    "sphere_rmse",
+    "span",
+    "height",
+    "converged",
+)
+
+
+def result_label(result: xr.Dataset) -> str:
+    """Return the solver and the model that made a result, as a name for it."""
+    return f"{result.attrs['solver']} {result.attrs['model']}"
+
+
+def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
+    """Compare two results of the same specimen on the same planar mesh.
+
+    Parameters
+    ----------
+    first, second : Dataset
+        Results, see `bilayer.results.result`.
+
+    Returns
+    -------
+    Dataset
+        Over the milestones that both have: `rms_distance` in m and `rms_distance_over_radius`,
+        NaN where one of them was not reached, and, over the dimension `result`, the measures of
+        each, with `unstable` and `touches_itself`. Attributes `first` and `second` are their
+        labels.
+
+    Raises
+    ------
+    InputError
+        The specimens differ other than in name, mesh size and milestones, the meshes differ, or
+        no milestone is common.
+    """
+    _check_same_specimen(result_specimen(first), result_specimen(second))
+    mesh = result_mesh(first)
+    _check_same_mesh(mesh, result_mesh(second))
+    here, there = _common_milestones(first, second)
+    pair = [first.isel(prestretch=here), second.isel(prestretch=there)]
+    distance = _distances(mesh, *(result["position"].values for result in pair))
+    measures = [_measures(result) for result in pair]
+    compared = xr.concat(measures, dim="result", join="override").assign(
+        rms_distance=("prestretch", distance, {"units": "m", "long_name": "rms distance"}),
+        rms_distance_over_radius=(
+            "prestretch",
+            distance / outer_radius(mesh),
+            {"units": "1", "long_name": "rms distance over the flat disc's radius"},
+        ),
+    )
+    compared.attrs = {"first": result_label(first), "second": result_label(second)}
+    return compared
+
+
+def _measures(result: xr.Dataset) -> xr.Dataset:
+    against = {"unstable": is_unstable(result), "touches_itself": touches_itself(result)}
+    return result[list(MEASURES)].assign({k: ("prestretch", v) for k, v in against.items()})
+
+
+def comparison_table(comparison: xr.Dataset) -> str:
+    """Return a comparison as text: a line per milestone, a and b side by side, units on top."""
+    sides = (("a", comparison.isel(result=0)), ("b", comparison.isel(result=1)))
+    percent = 100 * comparison["rms_distance_over_radius"]
+    columns = {
+        ("", "prestretch"): [stretch_text(pair) for pair in stretches(comparison)],
+        ("rms distance", "mm"): cells(1e3 * comparison["rms_distance"], "{:.3f}"),
+        ("rms distance", "% of R"): cells(percent, "{:.2f}"),
+    }
+    for title, name, scale, pattern in (
+        ("quality", "quality", 1.0, "{:.3f}"),
+        ("hemisphere", "hemisphere_distance", 1.0, "{:.3f}"),
+        ("radius mm", "sphere_radius", 1e3, "{:.2f}"),
+        ("height mm", "height", 1e3, "{:.2f}"),
+    ):
+        for side, result in sides:
+            columns[title, side] = cells(scale * result[name], pattern)
+    for axis, title in enumerate(("span x mm", "span y mm")):
+        for side, result in sides:
+            columns[title, side] = cells(1e3 * result["span"].isel(xyz=axis), "{:.2f}")
+    for title, name in (("unstable", "unstable"), ("contact", "touches_itself")):
+        if comparison[name].any():
+            for side, result in sides:
+                reached = result["converged"].values
+                columns[title, side] = [
+                    ("yes" if found else "no") if there else "-"
+                    for found, there in zip(result[name].values, reached, strict=True)
+                ]
+    heading = f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}"
+    return f"{heading}\n{pd.DataFrame(columns).to_string(index=False)}"
+
+
+def _check_same_specimen(first: Specimen, second: Specimen) -> None:
+    """Raise InputError with the first field in which two specimens differ."""
+    alike = [
+        replace(specimen, name="", mesh=MeshSize()).with_milestones(first.prestretch.milestones)
+        for specimen in (first, second)
+    ]
+    for field, mine, other in _differences("specimen", *alike):
+        raise InputError(
+            f"{field} = {mine} in the first result and {other} in the second: "
+            "expected results of the same specimen"
+        )
+
+
+def _differences(field: str, mine: Any, other: Any) -> list[tuple[str, Any, Any]]:
+    """Fields, by dotted name, in which two nested dataclasses differ, with their values."""
+    if mine == other:
+        return []
+    if type(mine) is not type(other) or not hasattr(mine, "__dataclass_fields__"):
+        return [(field, mine, other)]
+    return [
+        difference
+        for name in mine.__dataclass_fields__
+        for difference in _differences(f"{field}.{name}", getattr(mine, name), getattr(other, name))
+    ]
+
+
+def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
+    if not first.same_as(second):
+        raise InputError(
+            f"the planar meshes differ ({len(first.triangles)} triangles in the first result, "
+            f"{len(second.triangles)} in the second): expected results on the same mesh, as by "
+            "solve --mesh FILE.nc with the other result's file"
+        )
+
+
+def _common_milestones(
+    first: xr.Dataset, second: xr.Dataset
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the places of the common milestones in either result."""
+    mine, other = stretches(first), stretches(second)
+    apart = np.abs(mine[:, None] - other[None]).max(axis=2)
+    here, there = np.nonzero(apart < SAME_STRETCH)
+    if len(here) == 0:
+        listed, others = (", ".join(stretch_text(p) for p in pairs) for pairs in (mine, other))
+        raise InputError(
+            f"prestretch.milestones = {listed} in the first result and {others} in the second: "
+            "expected a common one"
+        )
+    return here, there
+
+
+def _distances(
+    mesh: PlanarMesh, first: NDArray[np.float64], second: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Rms distance at each milestone, m; NaN where a position is."""
+    weights = flat_surface(mesh).node_areas
+    known = np.isfinite(first + second).all(axis=(1, 2))
+    distance = np.full(len(first), np.nan)
+    distance[known] = [
+        rms_distance(a, b, weights) for a, b in zip(first[known], second[known], strict=True)
+    ]
+    return distance

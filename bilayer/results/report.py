@@ -1,0 +1,148 @@
+"""Results as text: the table of one run, and what made it."""
+
+import tomllib
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from bilayer.results.effort import effort_lines
+from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.specimen.specimen import CutPattern, Specimen
+
+
+def result_table(result: xr.Dataset) -> str:
+    """Return one line per milestone, under two of titles and units: shape, stability, effort."""
+    span = result["span"].values
+    columns = {
+        ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
+        ("", "reached"): ["yes" if done else "no" for done in result["converged"].values],
+        ("", "quality"): cells(result["quality"].values, "{:.3f}"),
+        ("radius", "mm"): cells(1e3 * result["sphere_radius"].values, "{:#.5g}"),
+        ("rmse", "mm"): cells(1e3 * result["sphere_rmse"].values, "{:.2f}"),
+        ("height", "mm"): cells(1e3 * result["height"].values, "{:.2f}"),
+        ("span x", "mm"): cells(1e3 * span[:, 0], "{:.2f}"),
+        ("span y", "mm"): cells(1e3 * span[:, 1], "{:.2f}"),
+        ("hemi-", "sphere"): cells(result["hemisphere_distance"].values, "{:.3f}"),
+        ("", "contact"): contact_words(result),
+        ("unstable", "modes"): [str(n) if n >= 0 else "?" for n in result["unstable_modes"].values],
+        ("load", "steps"): [str(count) for count in result["load_steps"].values],
+        ("Newton", "steps"): [str(count) for count in result["iterations"].values],
+        ("", "residual"): cells(result["residual"].values, "{:.0e}"),
+        ("time", "s"): cells(result["wall_time"].values, "{:.1f}"),
+    }
+    return pd.DataFrame(columns).to_string(index=False)
+
+
+def provenance(result: xr.Dataset) -> str:
+    """Return what made a result: solver, specimen, mesh, settings, versions, and its table."""
+    specimen, mesh = result_specimen(result), result_mesh(result)
+    done = int(result["converged"].sum())
+    lines = [
+        f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
+        f"specimen    {specimen.name}: radius {1e3 * specimen.outer_radius:g} mm, "
+        + ("uncut" if specimen.cut is None else _cut(specimen.cut)),
+        *_layers(specimen),
+        f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
+        "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
+        f"versions    {result.attrs['versions']}",
+        f"git commit  {result.attrs['git_commit'] or 'unknown'}",
+        f"milestones  {done} of {result.sizes['prestretch']} reached",
+        *effort_lines(result),
+        f"energy      {_energies(result)}",
+    ]
+    if result.attrs["stop_reason"]:
+        lines.append(f"stopped     {result.attrs['stop_reason']}")
+    return "\n".join([*lines, "", result_table(result), "", trust(result)])
+
+
+def _energies(result: xr.Dataset) -> str:
+    """Return the sum of the energy terms (a weight has none) at each milestone reached."""
+    total = 1e3 * result["energy"].sum("term", skipna=False).values[result["converged"].values == 1]
+    if len(total) == 0 or result.sizes["term"] == 0:
+        return "unknown"
+    return ", ".join(f"{energy:.5g}" for energy in total) + " mJ"
+
+
+def contact_words(result: xr.Dataset) -> list[str]:
+    """Return for each milestone whether the body touches itself: "yes", "no", or the gap in mm.
+
+    The gap where it is small enough to be measured; "-" where there is no shape, "?" where the
+    file is older than the measure.
+    """
+    if "self_contact_gap" not in result:
+        return ["?"] * result.sizes["prestretch"]
+    return [_contact_word(gap) for gap in result["self_contact_gap"].values]
+
+
+def _contact_word(gap: float) -> str:
+    if np.isnan(gap):
+        return "-"
+    if gap == 0:
+        return "yes"
+    return "no" if np.isinf(gap) else f"{1e3 * gap:.2f} mm"
+
+
+def trust(result: xr.Dataset) -> str:
+    """Return in a few sentences how far the result can be trusted."""
+    if not result["converged"].values.any():
+        return "No milestone was reached: there is no equilibrium in this file."
+    lost = stretches(result)[result["converged"].values == 0]
+    missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
+    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}{missing}"
+
+
+def _trust_as_equilibrium(result: xr.Dataset) -> str:
+    done = result["converged"].values.astype(bool)
+    modes = result["unstable_modes"].values[done]
+    residual = result["residual"].values[done].max()
+    solved = f"Every reached milestone is solved to a relative residual of {residual:.0e}"
+    if (modes < 0).any():
+        return f"{solved}; this method cannot tell whether it is stable."
+    if (modes > 0).any():
+        unstable = ", ".join(map(stretch_text, stretches(result)[done][modes > 0]))
+        return f"{solved}; NOT STABLE at {unstable}: another shape has less energy."
+    return f"{solved}, and stable."
+
+
+def _trust_without_contact(result: xr.Dataset) -> str:
+    """Say from where on the shape would have needed contact, which the solvers do not have."""
+    if "self_contact_gap" not in result:
+        return "Self-contact was not looked for when this file was made."
+    gaps = result["self_contact_gap"].values
+    touching = np.flatnonzero(gaps == 0)
+    if len(touching) == 0:
+        return "The body does not touch itself."
+    names = [stretch_text(pair) for pair in stretches(result)]
+    first = touching[0]
+    free = np.flatnonzero(gaps[:first] > 0)
+    between = f"between {names[free[-1]]} and {names[first]}" if len(free) else f"by {names[first]}"
+    return (
+        f"The body TOUCHES ITSELF at {', '.join(names[k] for k in touching)}, first {between}; "
+        "contact is not modelled, so those shapes pass through themselves."
+    )
+
+
+def _settings(result: xr.Dataset) -> dict[str, object]:
+    return tomllib.loads(result.attrs["settings"])
+
+
+def _cut(cut: CutPattern) -> str:
+    inner = 1e3 * cut.inner_radius
+    return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
+
+
+def _layers(specimen: Specimen) -> list[str]:
+    """Return a line for each layer, from the bottom up."""
+    lines = []
+    for part in specimen.bonded_layers((1.0, 1.0)):
+        material = part.layer.material
+        line = (
+            f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
+            f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
+        )
+        if part.name in specimen.prestretch.layers:
+            line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
+        lines.append(f"{line}, {'above' if part.is_above else 'below'}")
+    return lines

@@ -1,0 +1,1 @@
+"""What a run needs of its machine: whole files, ranks, progress, signals, versions."""

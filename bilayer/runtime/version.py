@@ -1,0 +1,54 @@
+"""What made a result: the version of this package, its commit, and what computes for it."""
+
+import importlib.metadata
+import platform
+import subprocess
+from pathlib import Path
+
+__version__ = "0.1.0"
+
+COMMIT_FILE = Path(__file__).parents[1] / "COMMIT"
+"""Written where the package is installed without its repository, as in the Docker image."""
+
+MAKERS = (".", ":(exclude)results")
+"""Whose changes count: `scripts/reproduce` writes into results/, which makes nothing else."""
+
+
+def git_commit() -> str:
+    """Return the commit of the checkout that holds this package, or an empty text.
+
+    It ends in "-dirty" where what makes results has been changed since.
+
+    An installed package has no checkout; it may have been told its commit when it was built.
+    """
+    if COMMIT_FILE.exists():
+        return COMMIT_FILE.read_text().strip()
+    checkout = Path(__file__).parents[2]
+    if not (checkout / ".git").exists():  # another project's repository may be further up
+        return ""
+    try:
+        commit = _git(checkout, "describe", "--always")
+        changed = _git(checkout, "status", "--porcelain", "--untracked-files=no", "--", *MAKERS)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return f"{commit}-dirty" if changed else commit
+
+
+def _git(checkout: Path, *words: str) -> str:
+    command = ["git", "-C", str(checkout), *words]
+    found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+    return found.stdout.strip()
+
+
+def own_versions() -> dict[str, str]:
+    """Versions of this package and of what every result needs, as installed."""
+    return {"bilayer-shells": __version__, "python": platform.python_version()} | {
+        name: found for name in ("numpy", "xarray", "gmsh") if (found := _installed(name))
+    }
+
+
+def _installed(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return ""

@@ -1,0 +1,165 @@
+"""A result computed again from what its own file holds, and whether the numbers agree.
+
+Specimen, settings and planar mesh come from the file, so that neither a changed default nor another
+version of gmsh counts, but for the coarse mesh that a fine one of the shell starts from, which is
+drawn anew. On one machine two serial runs agree to the last bit. A run that another result started
+begins as usual: the file does not hold that one.
+"""
+
+import shlex
+import tomllib
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from bilayer.errors import INTERRUPTED
+from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.starting import ANOTHER_RESULT, FLAT
+from bilayer.results.table import stretches
+from bilayer.runtime.progress import Progress
+from bilayer.solvers.registry import settings_kind, solve, solver_package
+from bilayer.specimen.settings import settings_from
+
+AGREEMENT = 1e-8
+"""Largest difference of two positions that agree, relative to the outer radius."""
+SECONDS = "s"
+"""Unit of the times in a result, which no two runs share."""
+
+
+def as_far_as_it_came(result: xr.Dataset) -> xr.Dataset:
+    """Return a result that was interrupted without the milestones that it did not come to.
+
+    Those where a computation failed stay: it is to fail again.
+    """
+    if result.attrs["stop_reason"] != INTERRUPTED:
+        return result
+    return result.isel(prestretch=result["converged"].values == 1)
+
+
+def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
+    """Compute the milestones of a result again.
+
+    Parameters
+    ----------
+    result : Dataset
+        From `bilayer.open_result`.
+    progress : callable, optional
+        See `bilayer.runtime.progress.Progress`.
+
+    Returns
+    -------
+    Dataset
+        See `bilayer.results.result`.
+
+    Raises
+    ------
+    InputError
+        No solver of ours made it, or its settings are unknown to this version.
+    """
+    kind = settings_kind(result.attrs["solver"], result.attrs["model"])
+    settings: Any = settings_from(kind, tomllib.loads(result.attrs["settings"]))
+    return solve(
+        result_specimen(result).with_milestones([(x, y) for x, y in stretches(result)]),
+        result.attrs["solver"],
+        settings,
+        mesh=result_mesh(result),
+        start=FLAT if result.attrs.get("start") == FLAT else None,
+        progress=progress,
+    )
+
+
+def began_elsewhere(result: xr.Dataset) -> bool:
+    """Whether a result was started from another one, of which it only keeps what it was."""
+    return str(result.attrs.get("start", "")).startswith(ANOTHER_RESULT)
+
+
+def solve_command(result: xr.Dataset, file: str) -> str:
+    """Return the command that computes a result again from its specimen's file and its own mesh.
+
+    Settings at their defaults, and the usual start, are left out.
+
+    Parameters
+    ----------
+    result : Dataset
+        From `bilayer.open_result`.
+    file : str
+        Where it is.
+
+    Raises
+    ------
+    InputError
+        No solver of ours made it.
+    """
+    solver, model = result.attrs["solver"], result.attrs["model"]
+    defaults = vars(settings_kind(solver, model)())
+    words = ["bilayer", "solve", "again.toml", "--solver", solver, "--model", model]
+    for name, value in tomllib.loads(result.attrs["settings"]).items():
+        if value != defaults.get(name):
+            words += ["--set", f"solver.{name}={_word(value)}"]
+    if result.attrs.get("start") == FLAT != solver_package(solver).DEFAULT_START:
+        words += ["--start", FLAT]
+    if began_elsewhere(result):
+        words += ["--start", "START.nc"]
+    return shlex.join([*words, "--mesh", file, "-o", "again.nc"])
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
+    """Return how far two runs of one case are from each other.
+
+    Parameters
+    ----------
+    first, second : Dataset
+        Results on the same mesh, with the same milestones.
+
+    Returns
+    -------
+    DataFrame
+        A row per variable that both have, the times left out: `difference`, the largest in the
+        variable's own unit (infinite where only one of them has a number), and `same_bits`.
+    """
+    names = [
+        str(name)
+        for name in first.data_vars
+        if name in second
+        and first[name].dtype.kind in "fi"
+        and first[name].attrs.get("units") != SECONDS
+    ]
+    rows = [
+        {
+            "variable": name,
+            "difference": _largest(first[name].values, second[name].values),
+            "units": first[name].attrs.get("units", ""),
+            "same_bits": np.array_equal(first[name].values, second[name].values, equal_nan=True),
+        }
+        for name in names
+    ]
+    return pd.DataFrame(rows)
+
+
+def agree(first: xr.Dataset, second: xr.Dataset) -> bool:
+    """Whether two runs of one case reached the same milestones with the same shapes.
+
+    The positions of all nodes agree to `AGREEMENT` times the outer radius.
+    """
+    reached = np.array_equal(first["converged"].values, second["converged"].values)
+    radius = result_specimen(first).outer_radius
+    distance = _largest(first["position"].values, second["position"].values)
+    return reached and bool(distance <= AGREEMENT * radius)
+
+
+def _word(value: Any) -> str:
+    """Return a setting as the command line reads it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _largest(first: np.ndarray, second: np.ndarray) -> float:
+    if first.shape != second.shape:
+        return np.inf
+    one_is_missing = np.isnan(first) != np.isnan(second)
+    if one_is_missing.any():
+        return np.inf
+    same = (first == second) | np.isnan(first)  # infinite gaps, too
+    with np.errstate(invalid="ignore"):
+        return float(np.max(np.where(same, 0.0, np.abs(first - second)), initial=0.0))

@@ -1,0 +1,1 @@
+"""What is released: outline, pattern, layers, materials, prestretch, and their file."""

@@ -1,0 +1,99 @@
+"""Settings of a solver: a frozen dataclass whose fields carry their own documentation.
+
+`documented("tolerance of …")` is used as the default of a field; `settings_from` reads the
+`NAME=VALUE` texts of the command line; `describe` lists them with their defaults.
+"""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+import tomli_w
+
+from bilayer.errors import InputError
+from bilayer.specimen.toml import toml_value
+from bilayer.validation import nearest
+
+Settings = TypeVar("Settings")
+
+
+def documented(default: Any, text: str) -> Any:
+    """Return a dataclass field with a default and a description, its unit in brackets."""
+    return dataclasses.field(default=default, metadata={"text": text})
+
+
+def settings_from(kind: type[Settings], values: Mapping[str, Any]) -> Settings:
+    """Return the settings of one kind with some of them replaced.
+
+    Parameters
+    ----------
+    kind : type
+        A settings dataclass.
+    values : mapping
+        New values by field name; a number given as text is read as in TOML.
+
+    Raises
+    ------
+    InputError
+        A name is not one of the fields (with the nearest one), or a value is of another type than
+        the default's.
+    """
+    fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    for name in values:
+        if name not in fields:
+            raise InputError(
+                f"solver.{name}: unknown setting, expected one of {', '.join(fields)}"
+                f"{nearest(name, fields)}"
+            )
+    return kind(
+        **{name: _converted(name, value, fields[name].default) for name, value in values.items()}
+    )
+
+
+def split_solver_settings(overrides: Iterable[str]) -> tuple[dict[str, str], list[str]]:
+    """Part `solver.NAME=VALUE` texts, as a mapping, from the other overrides."""
+    settings: dict[str, str] = {}
+    others = []
+    for override in overrides:
+        name, _, value = override.partition("=")
+        if name.strip().startswith("solver."):
+            settings[name.strip().removeprefix("solver.")] = value
+        else:
+            others.append(override)
+    return settings, others
+
+
+def describe(kind: type) -> str:
+    """Return one line per setting: name, default, description."""
+    return "\n".join(
+        f"  solver.{field.name} = {_shown(field.default)}    {field.metadata.get('text', '')}"
+        for field in dataclasses.fields(kind)
+    )
+
+
+def settings_to_toml(settings: Any) -> str:
+    """Return the TOML text of a settings dataclass; a setting of None is left out."""
+    table = {key: value for key, value in vars(settings).items() if value is not None}
+    return tomli_w.dumps(table)
+
+
+def _shown(default: Any) -> str:
+    """Return a default as one writes it in TOML."""
+    return str(default).lower() if isinstance(default, bool) else repr(default)
+
+
+def _converted(name: str, value: Any, default: Any) -> Any:
+    """Return `value` in the type of the setting's default."""
+    read = toml_value(value) if isinstance(value, str) and not isinstance(default, str) else value
+    if isinstance(default, bool) != isinstance(read, bool):
+        raise InputError(f"solver.{name} = {value}: expected {_kind_name(default)}")
+    if isinstance(default, float) and isinstance(read, int):
+        return float(read)
+    if default is not None and not isinstance(read, type(default)):
+        raise InputError(f"solver.{name} = {value}: expected {_kind_name(default)}")
+    return read
+
+
+def _kind_name(default: Any) -> str:
+    names = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
+    return names.get(type(default), type(default).__name__)

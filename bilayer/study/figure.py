@@ -1,0 +1,202 @@
+"""A study as a picture: one quantity over one field, a line for each value of another.
+
+What cannot be taken as it stands is marked: unstable shapes, bodies that touch themselves, and
+milestones that were not reached.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bilayer.errors import InputError
+from bilayer.figures.caveat_marks import mark_caveats
+from bilayer.figures.quality import PRESTRETCH, QUALITY
+from bilayer.figures.style import RESULT_COLOURS, RESULT_MARKERS, new_figure, print_style
+from bilayer.results.caveats import is_unstable, touches_itself
+from bilayer.validation import nearest
+
+LABELS = {"quality": QUALITY, "prestretch": PRESTRETCH}
+FIELD_UNITS = {
+    "outer_radius": "m", "inner_radius": "m", "cutout_angle": "rad", "thickness": "m", "size": "m",
+    "corner_size": "m", "young_modulus": "Pa", "c10": "Pa", "c01": "Pa", "d1": "1/Pa",
+    "density": "kg/m³", "acceleration": "m/s²",
+}  # fmt: skip
+"""Units of the specimen's fields, by the last part of the dotted name."""
+SHOWN_UNITS = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}
+"""Units in which lengths and moduli are drawn, with the factor to them."""
+NOT_A_NAME = ("identity", "case_file", "xyz")
+
+
+def draw_study(
+    study: xr.Dataset,
+    x: str,
+    y: str,
+    hue: str | None = None,
+    chosen: Mapping[str, Any] | None = None,
+) -> Figure:
+    """Draw a scalar of a study over one of its fields.
+
+    Parameters
+    ----------
+    study : Dataset
+        From `bilayer.open_study`.
+    x : str
+        A varied field, `prestretch`, `solver` or `model`: along.
+    y : str
+        A scalar of the results, such as `quality`: up.
+    hue : str, optional
+        Like `x`: a line for each of its values.
+    chosen : mapping, optional
+        Values of other fields, those that are drawn.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or several cases fall on one point of a line: a field is to be chosen.
+    """
+    table = study_table(study, x, y, hue, chosen or {})
+    lines = [("", table)] if hue is None else list(table.groupby(hue, sort=True))
+    with print_style():
+        figure = new_figure(5.2, 4.0)
+        axes = figure.add_subplot()
+        for k, (value, line) in enumerate(lines):
+            look = _look(k, len(lines))
+            label = y if hue is None else _value_text(hue, value)
+            axes.plot(line[x], line[y], label=label, clip_on=False, **look)
+        _mark(axes, table, x, y)
+        axes.set_xlabel(LABELS.get(x, _with_unit(x, _field_unit(x))))
+        axes.set_ylabel(LABELS.get(y, _with_unit(y, study[y].attrs.get("units", "1"))))
+        if y == "quality":
+            axes.set_ylim(0, 1)
+        if pd.api.types.is_integer_dtype(table[x]):
+            axes.set_xticks(sorted(table[x].unique()))
+        axes.grid(True)
+        fixed = {name: value for name, value in (chosen or {}).items() if name not in (x, hue)}
+        axes.set_title(", ".join(_value_text(name, value) for name, value in fixed.items()))
+        figure.legend(loc="outside upper center", ncols=3)
+    return figure
+
+
+def study_table(
+    study: xr.Dataset, x: str, y: str, hue: str | None, chosen: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Return the rows that are drawn, in the units that are drawn; see `draw_study`.
+
+    Returns
+    -------
+    DataFrame
+        Columns `x`, `hue`, `y`, and `converged`, `unstable`, `touches_itself`.
+    """
+    names = [str(name) for name in study.coords if name not in NOT_A_NAME]
+    for option, name in (("x", x), ("hue", hue), *(("select", name) for name in chosen)):
+        _check_known(option, name, names)
+    scalars = [str(name) for name in study.data_vars if _is_scalar(study[name])]
+    if not scalars:
+        raise InputError("no case of the study is finished yet: nothing to draw")
+    _check_known("y", y, scalars)
+    like = study["converged"]
+    judged = study[[y, "converged"]].assign(
+        unstable=like.copy(data=is_unstable(study)),
+        touches_itself=like.copy(data=touches_itself(study)),
+    )
+    table = judged.to_dataframe().reset_index()
+    for name, value in chosen.items():
+        table = table[_is_value(table[name], name, value)]
+    table = table[table["converged"].notna()]
+    _check_single(table, x, hue, [name for name in names if name in table])
+    shown = table.assign(**{x: _scaled(table[x], _field_unit(x))})
+    shown[y] = _scaled(table[y], study[y].attrs.get("units", "1"))
+    return shown.sort_values(x)
+
+
+def _check_known(option: str, name: str | None, known: Sequence[str]) -> None:
+    if name is not None and name not in known:
+        expected = f"expected one of {', '.join(known)}{nearest(name, known)}"
+        raise InputError(f"--{option} {name}: not in this study, {expected}")
+
+
+def _is_scalar(variable: xr.DataArray) -> bool:
+    return not {"xyz", "node", "face", "corner"} & set(variable.dims)
+
+
+def _is_value(column: pd.Series, name: str, value: Any) -> pd.Series:
+    if pd.api.types.is_numeric_dtype(column) and isinstance(value, (int, float)):
+        found = pd.Series(np.isclose(column, value, rtol=1e-9), index=column.index)
+    else:
+        found = column.astype(str) == str(value)
+    if not found.any():
+        listed = ", ".join(map(str, column.unique()))
+        raise InputError(f"{name} = {value}: not in this study, expected one of {listed}")
+    return found
+
+
+def _check_single(table: pd.DataFrame, x: str, hue: str | None, names: Sequence[str]) -> None:
+    """Check that no two rows fall on one point of a line."""
+    if table.empty:
+        raise InputError("the study has no finished case to draw")
+    points = table.groupby([x] if hue is None else [x, hue], dropna=False)
+    others = [name for name in names if name not in (x, hue)]
+    for name in others:
+        if points[name].nunique(dropna=False).max() > 1:
+            values = ", ".join(map(str, table[name].unique()))
+            raise InputError(
+                f"{name} has the values {values}: expected one of them to be chosen "
+                f"(--select {name}=VALUE), or the field as --x or --hue"
+            )
+
+
+def _mark(axes: Axes, table: pd.DataFrame, x: str, y: str) -> None:
+    """Mark the points that are not the shape of a real specimen."""
+    mark_caveats(axes, table[x], table[y], table["unstable"], table["touches_itself"])
+    missing = table[table["converged"] != 1]
+    if len(missing):
+        axes.plot(
+            missing[x], np.full(len(missing), 1.03), linestyle="none", marker="v", color="0.4",
+            clip_on=False, transform=axes.get_xaxis_transform(), label="not reached",
+        )  # fmt: skip
+
+
+def _look(k: int, count: int) -> dict[str, Any]:
+    marker = RESULT_MARKERS[k % len(RESULT_MARKERS)]
+    if count <= len(RESULT_COLOURS):
+        return {"color": RESULT_COLOURS[k], "marker": marker}
+    return {"color": mpl.colormaps["viridis"](0.9 * k / (count - 1)), "marker": marker}
+
+
+def _value_text(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    scaled, unit = _shown_unit(_field_unit(name))
+    text = f"{scaled * value:g} {unit}".rstrip()
+    return f"λ = {text}" if name == "prestretch" else f"{_words(name)} {text}"
+
+
+def _with_unit(name: str, unit: str) -> str:
+    _, shown = _shown_unit(unit)
+    return f"{_words(name)} ({shown})" if shown else _words(name)
+
+
+def _words(name: str) -> str:
+    """Return a dotted name as words: "cut.inner_radius" is "inner radius"."""
+    table, _, key = name.rpartition(".")
+    words = key.replace("_", " ")
+    return f"{table} {words}" if table in ("substrate", "kirigami") else words
+
+
+def _field_unit(name: str) -> str:
+    return FIELD_UNITS.get(name.rpartition(".")[2], "1")
+
+
+def _shown_unit(unit: str) -> tuple[float, str]:
+    return SHOWN_UNITS.get(unit, (1.0, "" if unit == "1" else unit))
+
+
+def _scaled(column: pd.Series, unit: str) -> pd.Series:
+    factor, _ = _shown_unit(unit)
+    return column if factor == 1.0 else column * factor

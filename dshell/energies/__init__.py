@@ -1,0 +1,1 @@
+"""The elastic energies of the shell and their sum."""

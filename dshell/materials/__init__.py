@@ -1,0 +1,1 @@
+"""The plane-stress laws of the shell."""

@@ -1,0 +1,1 @@
+"""The models of the shell: which energies, in which natural state."""

@@ -1,0 +1,90 @@
+"""The accurate model: Morley's shell with the layers and the natural state of a specimen."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.specimen import Specimen
+from dshell.energies.morley_faces import MorleyFaces
+from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
+from dshell.materials.plane_stress import plane_stress_law
+from dshell.settings import MorleySettings
+
+Array = NDArray[np.float64]
+
+FACES_IN_A_BLOCK = 2048
+"""Evaluated together, so that what is computed of them stays in the processor's cache."""
+
+
+class MorleyModel:
+    """A specimen on its planar mesh as Morley's shell; see `dshell.release.static.ShellModel`.
+
+    Parameters
+    ----------
+    specimen, mesh
+        What is released, on which planar mesh.
+    settings : MorleySettings
+        How strain varies through the thickness.
+    """
+
+    def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: MorleySettings) -> None:
+        self._specimen, self._mesh = specimen, mesh
+        self._quadratic = PROFILES[settings.profile]
+        faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
+        self.extra_dofs = faces.edge_count
+        starts = range(0, len(mesh.triangles), FACES_IN_A_BLOCK)
+        blocks = [slice(start, start + FACES_IN_A_BLOCK) for start in starts]
+        self._blocks = [(block, faces.part(block)) for block in blocks]
+
+    def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
+        """Return the faces in blocks, the prestretch being (lambda_x, lambda_y)."""
+        laminate = self._laminate(stretch)
+        return [faces.made_of(laminate.part(block)) for block, faces in self._blocks]
+
+    def bond_height(self, stretch: tuple[float, float]) -> float:
+        """Return how far the bond is above the substrate's mid-plane in the flat state, m."""
+        return -reference_height(self._specimen, stretch)
+
+    def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
+        """Return the energy of each layer, J."""
+        parts = [faces.at(state).layer_energies() for faces in self.energies(stretch)]
+        return {name: sum(part[name] for part in parts) for name in parts[0]}
+
+    def _laminate(self, stretch: tuple[float, float]) -> Laminate:
+        return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._quadratic)
+
+
+def specimen_layers(
+    specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]
+) -> list[ShellLayer]:
+    """Return the layers over the substrate's mid-plane in the flat bonded state, from the bottom.
+
+    Parameters
+    ----------
+    specimen, mesh
+        Thicknesses and materials; which triangles carry kirigami.
+    stretch : (float, float)
+        (lambda_x, lambda_y) of the prestretch.
+    """
+    reference = reference_height(specimen, stretch)
+    parts = [(part, mesh.faces_in(part.regions)) for part in specimen.bonded_layers(stretch)]
+    return [
+        ShellLayer(
+            part.name,
+            plane_stress_law(part.layer.material),
+            part.bottom - reference,
+            part.top - reference,
+            np.diag(part.stretch),
+            None if len(faces) == len(mesh.triangles) else faces,
+        )
+        for part, faces in parts
+        if len(faces)
+    ]
+
+
+def reference_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
+    """Return the height of the shell's surface, the substrate's mid-plane, above the bond, m."""
+    substrate = specimen.bonded_layer("substrate", stretch)
+    return (substrate.bottom + substrate.top) / 2

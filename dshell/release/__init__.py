@@ -1,0 +1,1 @@
+"""The load path of the shell: from milestone to milestone."""

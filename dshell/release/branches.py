@@ -1,0 +1,167 @@
+"""Which equilibrium a shell takes where the one that it came to is unstable.
+
+The unstable equilibrium is left along its mode to both sides, and what lies there is compared by
+its energy. Or it is kept: the path then follows the unstable equilibria, with plain Newton
+iterations, which do not mind whether the energy falls.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
+
+Array = NDArray[np.float64]
+
+SIDES = (1.0, -1.0)
+ESCAPES = 3
+"""How often an unstable equilibrium is left before it is kept as it is."""
+FOLLOWING_ITERATIONS = 15
+"""Of plain Newton iterations near an equilibrium; a step that needs more is halved."""
+FOLLOWING_STEP = 0.05
+"""Of them, largest change of a degree of freedom over the largest that the descent allows."""
+SAME_ENERGY = 1e-9
+"""Branches are as low as each other, such as mirror images, where the energies agree so well."""
+
+
+@dataclass(frozen=True, eq=False)
+class Landing:
+    """Where a load step has come to.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        With the iterations of every side that was tried.
+    unstable_modes : int or None
+        Of the equilibrium; None where there is none.
+    """
+
+    outcome: Outcome
+    unstable_modes: int | None
+
+
+class Branch(Protocol):
+    """A way from load step to load step."""
+
+    def land(
+        self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
+    ) -> Landing:
+        """Find an equilibrium.
+
+        Parameters
+        ----------
+        bodies : sequence of Body
+            On their way to the last of them, see `EquilibriumSolver.settle`.
+        start : array of float
+            The first state, m.
+        modes : int or None
+            Its unstable modes; None where it is no equilibrium.
+        limits : NewtonLimits
+            When to stop.
+        """
+
+
+class StableBranches:
+    """Goes downhill to an equilibrium, and on to a stable one if it is not.
+
+    Parameters
+    ----------
+    solver : EquilibriumSolver
+        Of the shell.
+    distance : float
+        How far an unstable equilibrium is left along its mode, m.
+    choose : callable
+        Takes the energies of what was found, J, and returns the place of the one to take.
+    """
+
+    def __init__(
+        self,
+        solver: EquilibriumSolver,
+        distance: float,
+        choose: Callable[[Sequence[float]], int],
+    ) -> None:
+        self._solver, self._distance, self._choose = solver, distance, choose
+
+    def land(
+        self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
+    ) -> Landing:
+        """Return where the last of some bodies comes to rest; see `Branch`."""
+        body = bodies[-1]
+        found = _landed(self._solver, body, self._solver.settle(bodies, start, limits))
+        for _ in range(ESCAPES):
+            if not found.unstable_modes:
+                break
+            found = self._left(body, found.outcome, limits)
+        return found
+
+    def _left(self, body: Body, unstable: Outcome, limits: NewtonLimits) -> Landing:
+        away = self._distance * self._solver.unstable_direction(body, unstable.state)
+        sides = [
+            self._solver.settle([body], unstable.state + side * away, limits) for side in SIDES
+        ]
+        arrived = [side for side in sides if side.converged] or sides[:1]
+        energies = [self._solver.placed(body, side.state).energy for side in arrived]
+        taken = arrived[self._choose(energies)]
+        iterations = unstable.iterations + sum(side.iterations for side in sides)
+        return _landed(self._solver, body, replace(taken, iterations=iterations))
+
+
+class AnyBranch:
+    """Goes downhill to a first equilibrium and then follows it, stable or not.
+
+    Parameters
+    ----------
+    solver : EquilibriumSolver
+        Of the shell.
+    """
+
+    def __init__(self, solver: EquilibriumSolver) -> None:
+        self._solver = solver
+
+    def land(
+        self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
+    ) -> Landing:
+        """Return the equilibrium of the last body next to the start; see `Branch`."""
+        body = bodies[-1]
+        if modes is None:
+            return _landed(self._solver, body, self._solver.settle(bodies, start, limits))
+        near = replace(
+            limits,
+            iterations=min(limits.iterations, FOLLOWING_ITERATIONS),
+            longest_step=FOLLOWING_STEP * limits.longest_step,
+        )
+        return _landed(self._solver, body, self._solver.balance(body, start, near))
+
+
+def _landed(solver: EquilibriumSolver, body: Body, outcome: Outcome) -> Landing:
+    """Count the unstable modes of an outcome, if it is an equilibrium."""
+    modes = solver.unstable_modes(body, outcome.state) if outcome.converged else None
+    return Landing(outcome, modes)
+
+
+def lowest(energies: Sequence[float]) -> int:
+    """Return the place of the least energy, the first of those that are as low."""
+    least = min(energies)
+    return next(k for k, energy in enumerate(energies) if energy - least <= _noise(least))
+
+
+def highest(energies: Sequence[float]) -> int:
+    """Return the place of the greatest energy, the last of those that are as high."""
+    greatest = max(energies)
+    as_high = [k for k, energy in enumerate(energies) if greatest - energy <= _noise(greatest)]
+    return as_high[-1]
+
+
+def _noise(energy: float) -> float:
+    return SAME_ENERGY * abs(energy)
+
+
+BRANCH_RULES: Mapping[str, Callable[[EquilibriumSolver, float], Branch]] = {
+    "lowest": lambda solver, distance: StableBranches(solver, distance, lowest),
+    "other": lambda solver, distance: StableBranches(solver, distance, highest),
+    "unstable": lambda solver, distance: AnyBranch(solver),
+}
+"""By the setting `branch`."""

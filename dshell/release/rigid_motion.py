@@ -1,0 +1,35 @@
+"""Six held coordinates that take away the rigid motion and nothing else.
+
+One node is held in x, y and z, a far one in y and z, a third, off their line, in z. Elastic forces
+are in balance, so at an equilibrium without a load the reactions vanish and the shape is free.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.support import HeldNodes, clamped_at_centre
+from dshell.energies.assembly import coordinates_of
+
+Array = NDArray[np.float64]
+
+
+def held_nodes(mesh: PlanarMesh) -> HeldNodes:
+    """Return the nodes that are held: the centre, a far one along x, one that spans the most."""
+    centre = mesh.centre_node
+    arms = mesh.points - mesh.points[centre]
+    far = int(np.argmax(arms[:, 0]))
+    side = int(np.argmax(np.abs(arms[far, 0] * arms[:, 1] - arms[far, 1] * arms[:, 0])))
+    return centre, far, side
+
+
+def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
+    """Return the nodes where a specimen is held: see `bilayer.specimen.support`."""
+    return clamped_at_centre(mesh.points) if specimen.gravity else held_nodes(mesh)
+
+
+def held_coordinates(nodes: HeldNodes) -> NDArray[np.int64]:
+    """Return the six coordinates that are held at nodes, by their places in the state."""
+    a, b, c = coordinates_of(np.array(nodes))
+    return np.concatenate([a, b[1:], c[2:]])

@@ -1,0 +1,1 @@
+"""Newton's method, dynamics and the linear solvers of the shell."""

@@ -1,0 +1,374 @@
+"""Newton's method for the least energy: projected where the Hessian is indefinite, damped.
+
+Each iteration factorises the exact Hessian; where that has a negative eigenvalue, its convex
+relative instead, so that the step always goes downhill. Steps are capped in length and shortened
+until the energy falls enough (Armijo); a whole one must not make the residual force much larger.
+
+A thin shell bends easily and stretches hardly, so a straight step that turns it also stretches it,
+and the line search would allow only short ones (the Maratos effect). Corrections with the same
+factor, which learns from each of them, take that stretch away again before the energy is judged:
+they cost no factorisation. Where in full they would raise the energy they are shortened.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+from bilayer.errors import ComputationError
+from dshell.energies.assembly import Assembly, Energy, deform, energy_sums, gradient_of
+from dshell.solve.linear_solver import (
+    Factor,
+    LinearSolver,
+    NotPositiveDefiniteError,
+    SingularMatrixError,
+)
+from dshell.solve.secant_inverse import SecantInverse
+
+Array = NDArray[np.float64]
+
+SUFFICIENT_DECREASE = 1e-4
+SHORTEST_STEP = 1e-8
+CONVEX_SHIFT = 1e-8
+"""Of the mean diagonal: keeps a convex relative regular where nothing resists."""
+FEW_NEGATIVE = 3
+"""Negative eigenvalues whose modes are sought: far from an equilibrium there are many."""
+MODE_TOLERANCE = 1e-4
+MODE_RESTARTS = 3
+"""Of ARPACK, twenty solutions each, for modes that mend a stiffness: those worth it, nearly 0,
+stand apart and take no more; others took thousands of solutions on a fine mesh."""
+CORRECTIONS = 8
+"""With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
+TOO_FAR = 3.0
+"""Growth of the residual force over a whole step, not a capped one, and its corrections. What comes
+after is often indefinite, which costs several iterations; half the step needs no new factor."""
+CORRECTION_SHARES = (1.0, 0.5, 0.25)
+"""Of a correction, tried in this order until the energy falls."""
+ENERGY_NOISE = 1e-6
+"""Relative. Smaller changes may be round-off (strains of 1e-5 leave the energy six digits), so
+there the residual force is the judge."""
+
+
+class NoDescentError(ComputationError):
+    """No step along Newton's direction lowers the energy."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """What is in equilibrium: elastic energies under a dead load.
+
+    Parameters
+    ----------
+    energies : sequence of Energy
+        The elastic ones.
+    load : array of float
+        Force on each degree of freedom, N, in the shape of the state; it does not follow.
+    """
+
+    energies: Sequence[Energy]
+    load: Array
+
+
+class Configuration:
+    """A body in a state; what has been computed of it is kept for the next question.
+
+    Parameters
+    ----------
+    body : Body
+        What is deformed.
+    state : (dofs,) array of float
+        All degrees of freedom, m.
+    assembly : Assembly
+        Of the body's energies.
+    """
+
+    def __init__(self, body: Body, state: Array, assembly: Assembly) -> None:
+        self.body, self.state = body, state
+        self._assembly = assembly
+        with np.errstate(all="ignore"):  # a step too far may invert a fibre; it is then refused
+            self._deformed = deform(body.energies, state)
+
+    @cached_property
+    def energy(self) -> float:
+        """Potential energy, J."""
+        return float(sum(self._energies)) - float(self.body.load @ self.state)
+
+    @property
+    def energy_scale(self) -> float:
+        """Size of what adds up to the energy, J."""
+        return float(sum(map(abs, self._energies))) + abs(float(self.body.load @ self.state))
+
+    @cached_property
+    def _energies(self) -> list[float]:
+        with np.errstate(all="ignore"):
+            return energy_sums(self._deformed)
+
+    @cached_property
+    def residual(self) -> Array:
+        """Residual force on the free degrees of freedom, N."""
+        with np.errstate(all="ignore"):
+            forces = gradient_of(self._deformed)
+        return (forces - self.body.load)[self._assembly.free]
+
+    @cached_property
+    def error(self) -> float:
+        """Norm of the residual force, N."""
+        return float(np.linalg.norm(self.residual))
+
+    def hessian(self) -> csc_matrix:
+        """Return the second derivative by the free degrees of freedom, N/m."""
+        return self._assembly.hessian(self._deformed)
+
+    def convex_hessian(self) -> csc_matrix:
+        """Return the like of it that has no negative eigenvalue."""
+        return self._assembly.convex_hessian(self._deformed)
+
+
+@dataclass(frozen=True)
+class NewtonLimits:
+    """When an equilibrium is found or given up.
+
+    Parameters
+    ----------
+    tolerance : float
+        Norm of the residual force that is small enough, N.
+    iterations : int
+        Allowed in one solve.
+    longest_step : float
+        Largest change of a degree of freedom in one iteration, m.
+    """
+
+    tolerance: float
+    iterations: int
+    longest_step: float
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Where the iterations ended.
+
+    Parameters
+    ----------
+    state : array of float
+        The last state.
+    converged : bool
+        Whether its residual is within the tolerance.
+    residual : float
+        Norm of the residual force on the free degrees of freedom, N.
+    iterations : int
+        Newton steps taken.
+    """
+
+    state: Array
+    converged: bool
+    residual: float
+    iterations: int
+
+
+class _Mended:
+    """An indefinite matrix, factorised, with its negative eigenvalues' signs turned."""
+
+    def __init__(self, factor: Factor, values: Array, modes: Array) -> None:
+        self._factor, self._values, self._modes = factor, values, modes
+
+    def solve(self, right_side: Array) -> Array:
+        """See `Factor`."""
+        along = np.divide(self._modes.T @ right_side, self._values)
+        return self._factor.solve(right_side) - 2 * self._modes @ along
+
+
+class EquilibriumSolver:
+    """Finds equilibria of bodies on one assembly.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Of the bodies' energies.
+    linear_solver : LinearSolver
+        For the steps.
+    """
+
+    def __init__(self, assembly: Assembly, linear_solver: LinearSolver) -> None:
+        self.assembly = assembly
+        self._linear = linear_solver
+
+    def placed(self, body: Body, state: Array) -> Configuration:
+        """Return a body in a state."""
+        return Configuration(body, state, self.assembly)
+
+    def settle(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
+        """Go downhill from a state to an equilibrium, or as far as the limits let.
+
+        Parameters
+        ----------
+        bodies : sequence of Body
+            What is on its way to the last of them: each of the others gets one iteration.
+        start : array of float
+            The first state, m.
+        limits : NewtonLimits
+            When to stop.
+        """
+        here = self.placed(bodies[0], start)
+        for iteration in range(limits.iterations + 1):
+            body = bodies[min(iteration, len(bodies) - 1)]
+            if here.body is not body:
+                here = self.placed(body, here.state)
+            converged = body is bodies[-1] and here.error <= limits.tolerance
+            if converged or iteration == limits.iterations:
+                break
+            try:
+                here = self._improved(here, limits)
+            except NoDescentError:
+                break
+        return Outcome(here.state, converged, here.error, iteration)
+
+    def balance(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
+        """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
+
+        Parameters
+        ----------
+        body : Body
+            What is in equilibrium.
+        start : array of float
+            The first state, m.
+        limits : NewtonLimits
+            When to stop.
+        """
+        here = self.placed(body, start)
+        for iteration in range(limits.iterations + 1):
+            converged = here.error <= limits.tolerance
+            if converged or not np.isfinite(here.error) or iteration == limits.iterations:
+                break
+            try:
+                factor = self._linear.factor(here.hessian())
+            except SingularMatrixError:
+                break
+            step = _capped(self._step(factor, here.residual), limits.longest_step)
+            here = self.placed(body, here.state + step)
+        return Outcome(here.state, converged, here.error, iteration)
+
+    def unstable_modes(self, body: Body, state: Array) -> int:
+        """Return the number of negative eigenvalues of the exact Hessian."""
+        hessian = self.placed(body, state).hessian()
+        try:
+            self._linear.cholesky(hessian)
+        except NotPositiveDefiniteError:
+            return self._linear.factor(hessian).negative
+        return 0
+
+    def unstable_direction(self, body: Body, state: Array) -> Array:
+        """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
+        hessian = self.placed(body, state).hessian()
+        _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count=1)
+        direction = np.zeros_like(state)
+        direction[self.assembly.free] = modes[:, 0]
+        return direction / direction[np.argmax(np.abs(direction))]
+
+    def _improved(self, here: Configuration, limits: NewtonLimits) -> Configuration:
+        """Return what one iteration makes of it: the longest halved step that is low enough."""
+        factor = self._descent(here)
+        straight = self._step(factor, here.residual)
+        step = _capped(straight, limits.longest_step)
+        whole = step is straight
+        slope = float(here.residual @ step[self.assembly.free])
+        share = 1.0
+        while share > SHORTEST_STEP:
+            there = self._corrected(here, share * step, factor, limits)
+            change = there.energy - here.energy
+            too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
+            if change <= SUFFICIENT_DECREASE * share * slope and not too_far:
+                return there
+            if abs(change) <= ENERGY_NOISE * here.energy_scale and there.error < 0.5 * here.error:
+                return there
+            share /= 2
+        raise NoDescentError("no step along Newton's direction lowers the energy")
+
+    def _corrected(
+        self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
+    ) -> Configuration:
+        """Return what comes after a step and those corrections that lower the energy.
+
+        The factor learns from the corrections, not from the step: that has stretched the shell,
+        and so the way along it, soft as it is, would seem stiff and be taken back.
+        """
+        free = self.assembly.free
+        there = self.placed(here.body, here.state + step)
+        inverse = SecantInverse(factor)
+        for _ in range(CORRECTIONS):
+            if not np.isfinite(there.energy) or there.error <= limits.tolerance:
+                break
+            correction = _capped(self._step(inverse, there.residual), limits.longest_step)
+            lower = self._lower(there, correction)
+            if lower is None:
+                break
+            inverse.observe((lower.state - there.state)[free], lower.residual - there.residual)
+            there = lower
+        return there
+
+    def _lower(self, here: Configuration, correction: Array) -> Configuration | None:
+        """Return what the largest share of a correction that lowers the energy makes of it."""
+        for share in CORRECTION_SHARES:
+            there = self.placed(here.body, here.state + share * correction)
+            if there.energy < here.energy:
+                return there
+        return None
+
+    def _step(self, factor: Factor, residual: Array) -> Array:
+        step = np.zeros(self.assembly.size)
+        step[self.assembly.free] = -factor.solve(residual)
+        return step
+
+    def _descent(self, here: Configuration) -> Factor:
+        hessian = here.hessian()
+        try:
+            return self._linear.cholesky(hessian)
+        except NotPositiveDefiniteError:
+            return self._mended(hessian) or self._convex(here)
+
+    def _mended(self, hessian: csc_matrix) -> Factor | None:
+        """Return the Hessian with its negative eigenvalues made positive, if they are few.
+
+        Where a shape is about to lose its symmetry one or two of them are nearly 0, and the convex
+        relative, which resists there, would only crawl.
+        """
+        try:
+            factor = self._linear.factor(hessian)
+            if 0 < factor.negative <= FEW_NEGATIVE:
+                pairs = _negative_pairs(hessian, factor, factor.negative, MODE_RESTARTS)
+                return _Mended(factor, *pairs)
+        except (SingularMatrixError, ArpackError):
+            pass
+        return None
+
+    def _convex(self, here: Configuration) -> Factor:
+        convex = here.convex_hessian()
+        diagonal = convex.diagonal()
+        convex.setdiag(diagonal + CONVEX_SHIFT * diagonal.mean())
+        try:
+            return self._linear.cholesky(convex)
+        except NotPositiveDefiniteError as error:
+            raise NoDescentError("round-off hides the convex relative of the stiffness") from error
+
+
+def _capped(step: Array, longest: float) -> Array:
+    """Return a step itself where no degree of freedom changes by more than `longest`, or less."""
+    length = np.abs(step).max()
+    return step * (longest / length) if length > longest else step
+
+
+def _negative_pairs(
+    matrix: csc_matrix, factor: Factor, count: int, restarts: int | None = None
+) -> tuple[Array, Array]:
+    """Return the negative eigenvalues nearest to 0, (count,), and their modes, (n, count)."""
+    size = matrix.shape[0]
+    inverse = LinearOperator((size, size), matvec=factor.solve, dtype=float)
+    begin = np.random.default_rng(0).normal(size=size)
+    values, modes = eigsh(
+        matrix, k=count, sigma=0.0, OPinv=inverse, which="SA", v0=begin, tol=MODE_TOLERANCE,
+        maxiter=restarts,
+    )  # fmt: skip
+    return values, modes

@@ -1,0 +1,1 @@
+"""What differs between the versions of dolfinx, and how forms are compiled."""

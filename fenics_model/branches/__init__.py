@@ -1,0 +1,1 @@
+"""Stability, and the way from an unstable equilibrium to stable ones."""

@@ -1,0 +1,1 @@
+"""The volume mesh of a layered solid, serial and distributed."""

@@ -1,0 +1,1 @@
+"""The load path: continuation, step control, and the shapes that lead."""

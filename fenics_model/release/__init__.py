@@ -1,0 +1,1 @@
+"""A specimen as a solid, its way through the milestones, and the dataset of it."""

@@ -1,0 +1,190 @@
+"""The solid of a specimen: its two layers extruded, with natural states, loads and held points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type, fem
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.specimen import BondedLayer, Layer, Specimen
+from bilayer.specimen.support import HeldNodes
+from fenics_model.mesh.layered_mesh import LayeredMesh
+from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
+from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath
+from fenics_model.settings import SolidSettings
+from fenics_model.solid.solid import Solid, SolidLayer
+from fenics_model.solid.strain_energy import StrainEnergy, energy_constants
+
+UNSTRETCHED = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class BilayerSolid:
+    """A specimen as a solid, and what of it changes along the load path.
+
+    Parameters
+    ----------
+    solid : Solid
+        The layers, the lower one first.
+    specimen : Specimen
+        Whose layers they are.
+    layer_names : tuple of str
+        Theirs, in the same order.
+    path : ReleasePath
+        From flat through the milestones.
+    imperfection : float
+        Acceleration at its full value, m/s2.
+    weight, saddle : dolfinx Constant
+        The accelerations that act now.
+    """
+
+    solid: Solid
+    specimen: Specimen
+    layer_names: tuple[str, ...]
+    path: ReleasePath
+    imperfection: float
+    weight: fem.Constant
+    saddle: fem.Constant
+
+    def load(self, parameter: float) -> None:
+        """Set natural state and loads for a parameter of the path."""
+        self.prestretch(self.path.stretch(parameter))
+        self.weight.value = self.specimen.gravity * self.path.weight_fraction(parameter)
+        self.saddle.value = self.imperfection * self.path.imperfection_fraction(parameter)
+
+    def prestretch(self, stretch: tuple[float, float]) -> None:
+        """Set the natural states alone."""
+        rule = self.specimen.prestretch.thickness
+        for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
+            bonded = self.specimen.bonded_layer(name, stretch)
+            layer.natural.value = natural_state(bonded.stretch, rule)
+
+
+def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
+    """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
+
+    Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
+    at the centre and the same however the mesh is distributed; the phases n are in no symmetry.
+    It tells the two sides of a mode apart.
+
+    Parameters
+    ----------
+    body : BilayerSolid
+        To be lifted.
+    radius : float
+        R, m.
+
+    Returns
+    -------
+    array of float
+        A change of the state, this rank's dofs.
+    """
+
+    def lift(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        place = (x[0] + 1j * x[1]) / radius
+        waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
+        return np.stack([0 * x[0], 0 * x[0], waves])
+
+    change = fem.Function(body.solid.space)
+    change.sub(0).interpolate(lift)
+    return np.asarray(change.x.array)
+
+
+def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
+    """Return (lx, ly, s) of a layer, see `strain_energy`.
+
+    Drawn with its natural thickness ("natural"), the mesh is stretched in plane alone, s = 1. Drawn
+    with its bonded thickness ("constant"), it also has the thinning, s = 1 / (lx ly).
+    """
+    x, y = stretch
+    return (x, y, 1.0) if thickness_rule == "natural" else (x, y, 1 / (x * y))
+
+
+def bilayer_solid(
+    specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings, comm: MPI.Comm
+) -> BilayerSolid:
+    """Build the solid of a specimen on a planar mesh.
+
+    Both ways of drawing a stretched layer have the `thickness` of the specimen's `Layer`: it is the
+    natural thickness by one rule and the bonded one by the other.
+    """
+    parts = layers_on(specimen, mesh)
+    layered = LayeredMesh(extruded(parts, mesh, settings), comm)
+    weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
+    acceleration = -weight + saddle * _saddle_shape(layered, specimen.outer_radius)
+    layers = [_solid_layer(layered, part.layer, acceleration) for part in parts]
+    solid = Solid(
+        layered,
+        layers,
+        pressure_scale=specimen.substrate.material.shear_modulus / specimen.substrate.thickness,
+        quadrature_degree=settings.quadrature_degree,
+    )
+    return BilayerSolid(
+        solid,
+        specimen,
+        tuple(part.name for part in parts),
+        ReleasePath(
+            specimen.prestretch.milestones, weight_way=WEIGHT_WAY if specimen.gravity else 0.0
+        ),
+        settings.imperfection,
+        weight,
+        saddle,
+    )
+
+
+def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
+    """Return the unstretched layers that a planar mesh has any triangles of, the lower one first.
+
+    Unstretched, they have the thickness with which they are drawn.
+    """
+    layers = specimen.bonded_layers(UNSTRETCHED)
+    return [part for part in layers if len(mesh.faces_in(part.regions))]
+
+
+def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+    """Extrude the planar mesh, each layer where it lies."""
+    elements = {
+        "substrate": settings.substrate_elements,
+        "kirigami": settings.kirigami_elements,
+    }
+    slabs = [
+        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_in(part.regions)])
+        for part in parts
+    ]
+    return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
+
+
+def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
+    """Return the six vertex components at the interface that are held, by nodes of the plane."""
+    a, b, c = volume.interface[list(nodes)]
+    return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
+
+
+def _solid_layer(mesh: LayeredMesh, layer: Layer, acceleration: Any) -> SolidLayer:
+    natural = _constant(mesh, (1.0, 1.0, 1.0))
+    # det G volumes of mesh hold one natural volume, which is what the density is for
+    mass = _constant(mesh, layer.density) / (natural[0] * natural[1] * natural[2])
+    force = ufl.as_vector((0, 0, mass * acceleration))
+    return SolidLayer(strain_energy(mesh, layer), natural, force)
+
+
+def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:
+    """Return the energy of a layer, its constants free to change without compiling anew."""
+    kind, values = energy_constants(layer.material)
+    energy: StrainEnergy = kind(**{name: _constant(mesh, v) for name, v in values.items()})
+    return energy
+
+
+def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:
+    return fem.Constant(mesh.mesh, np.asarray(value, dtype=default_scalar_type))
+
+
+def _saddle_shape(mesh: LayeredMesh, radius: float) -> Any:
+    """(X^2 - Y^2) / R^2: a load that is in balance with itself on a disc."""
+    X = ufl.SpatialCoordinate(mesh.mesh)
+    return (X[0] ** 2 - X[1] ** 2) / _constant(mesh, radius) ** 2

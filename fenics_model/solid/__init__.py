@@ -1,0 +1,1 @@
+"""The layered solid: its energy, residual and tangent in UFL."""

@@ -1,0 +1,207 @@
+"""A layered solid: its mixed energy, and the residual and tangent that follow from it.
+
+Unknowns are the displacement (quadratic) and one pressure (linear) for each layer, because the
+pressure jumps across the bond. Every pressure is a field on the whole mesh whose dofs outside its
+layer are held at zero. The solid knows layers, natural states and dead loads, and no specimen.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type, fem
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.mesh.layered_mesh import LayeredMesh
+from fenics_model.solid.strain_energy import StrainEnergy, stress
+from fenics_model.solid.tangent import ExtrapolatedTangent
+
+
+@dataclass(frozen=True)
+class SolidLayer:
+    """One layer of the solid.
+
+    Parameters
+    ----------
+    energy : StrainEnergy
+        The law.
+    natural : dolfinx Constant of shape (3,)
+        The natural state (lx, ly, s) of `strain_energy`; its value may change along a load path.
+    body_force : UFL vector
+        Dead force per volume of the mesh, N/m3.
+    """
+
+    energy: StrainEnergy
+    natural: fem.Constant
+    body_force: Any
+
+
+class Solid:
+    """Energy, residual and tangent of a layered solid.
+
+    Parameters
+    ----------
+    mesh : LayeredMesh
+        Layer i of the mesh is `layers[i]`.
+    layers : sequence of SolidLayer
+        Laws, natural states and loads.
+    pressure_scale : float
+        The unknown q of a layer's pressure is p = pressure_scale q. A modulus over a thickness,
+        Pa/m, makes q a length, so that residuals and corrections of both unknowns compare.
+    quadrature_degree : int
+        Degree that the quadrature integrates exactly.
+
+    Attributes
+    ----------
+    space : dolfinx.fem.FunctionSpace
+        Of displacement and pressures.
+    state : dolfinx.fem.Function
+        The unknown.
+    residual : dolfinx.fem.Form
+        First derivative of the potential energy.
+    tangent : ExtrapolatedTangent
+        Its second derivative.
+    displacement, gradient, pressures : UFL expressions
+        u, grad(x) = I + grad(u), and p of each layer.
+    dx : UFL measure
+        `dx(i)` integrates over layer i.
+    """
+
+    def __init__(
+        self,
+        mesh: LayeredMesh,
+        layers: Sequence[SolidLayer],
+        *,
+        pressure_scale: float,
+        quadrature_degree: int = 4,
+    ) -> None:
+        self.mesh, self.layers = mesh, layers
+        quadratic = basix.ufl.element("Lagrange", "tetrahedron", 2, shape=(3,))
+        linear = basix.ufl.element("Lagrange", "tetrahedron", 1)
+        self.space = fem.functionspace(
+            mesh.mesh, basix.ufl.mixed_element([quadratic, *[linear] * len(layers)])
+        )
+        self.state = fem.Function(self.space)
+        self.dx = ufl.Measure(
+            "dx", mesh.mesh, subdomain_data=mesh.layer_tags,
+            metadata={"quadrature_degree": quadrature_degree},
+        )  # fmt: skip
+        self.pressure_scale = fem.Constant(mesh.mesh, default_scalar_type(pressure_scale))
+        displacement, *unscaled = ufl.split(self.state)
+        self.displacement = displacement
+        self.pressures = [self.pressure_scale * q for q in unscaled]
+        self.gradient = ufl.Identity(3) + ufl.grad(displacement)
+        self._layer_energies = [self._form(density) for density in self._stored()]
+        residual = ufl.derivative(self._potential(), self.state, ufl.TestFunction(self.space))
+        self.residual = self._form(residual)
+        self.tangent = ExtrapolatedTangent(
+            self.state,
+            ufl.derivative(residual, self.state, ufl.TrialFunction(self.space)),
+            [
+                (stress(layer.energy, self.gradient, layer.natural, pressure), self.dx(i))
+                for i, (layer, pressure) in self._layers_with_pressure()
+            ],
+        )
+
+    def _layers_with_pressure(self) -> list[tuple[int, tuple[SolidLayer, Any]]]:
+        return list(enumerate(zip(self.layers, self.pressures, strict=True)))
+
+    def _stored(self) -> list[Any]:
+        C, J = self.gradient.T * self.gradient, ufl.det(self.gradient)
+        return [
+            layer.energy.density(C, J, layer.natural, pressure) * self.dx(i)
+            for i, (layer, pressure) in self._layers_with_pressure()
+        ]
+
+    def _potential(self) -> Any:
+        loads = [
+            ufl.dot(layer.body_force, self.displacement) * self.dx(i)
+            for i, layer in enumerate(self.layers)
+        ]
+        return sum(self._stored()) - sum(loads)
+
+    def mass(self) -> fem.Form:
+        """Return the form of the displacements' mass matrix at unit density, m3."""
+        u, v = (ufl.split(f(self.space))[0] for f in (ufl.TrialFunction, ufl.TestFunction))
+        return self._form(ufl.inner(u, v) * self.dx)
+
+    @staticmethod
+    def _form(integral: Any) -> fem.Form:
+        return fem.form(integral, jit_options=JIT_OPTIONS)
+
+    def layer_energy(self, layer: int) -> float:
+        """Strain energy of a layer in the present state, J, the same on every rank."""
+        local = fem.assemble_scalar(self._layer_energies[layer])
+        return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
+
+    @cached_property
+    def _potential_form(self) -> fem.Form:
+        """Compiled when it is first needed, which is seldom."""
+        return self._form(self._potential())
+
+    def potential_energy(self) -> float:
+        """Strain energy less the work of the dead loads, J, the same on every rank."""
+        local = fem.assemble_scalar(self._potential_form)
+        return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
+
+    @cached_property
+    def _owned_displacements(self) -> NDArray[np.int32]:
+        """Displacement dofs that this rank owns."""
+        index_map = self.space.dofmap.index_map
+        owned = index_map.size_local * self.space.dofmap.index_map_bs
+        dofs = np.unique([self.component(axis).dofmap.list for axis in range(3)])
+        return dofs[dofs < owned].astype(np.int32)
+
+    def displacement_norm(self, values: NDArray[np.float64]) -> float:
+        """Euclidean norm of a change of state's displacement dofs, m, the same on every rank."""
+        local = float(np.sum(values[self._owned_displacements] ** 2))
+        return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM) ** 0.5)
+
+    def component(self, axis: int) -> fem.FunctionSpace:
+        """Return the subspace of one displacement component."""
+        return self.space.sub(0).sub(axis)
+
+    def pressure_space(self, layer: int) -> fem.FunctionSpace:
+        """Return the subspace of one layer's pressure."""
+        return self.space.sub(1 + layer)
+
+    def absent_pressures(self) -> list[fem.DirichletBC]:
+        """Hold each layer's pressure at zero outside its layer."""
+        everywhere = np.arange(len(self.mesh.volume.points))
+        return [
+            self._held(
+                self.pressure_space(layer),
+                np.setdiff1d(everywhere, self.mesh.volume.vertices_of(layer)),
+            )
+            for layer in range(len(self.layers))
+        ]
+
+    def held_points(self, points: Sequence[tuple[int, int]]) -> list[fem.DirichletBC]:
+        """Hold single displacement components at vertices.
+
+        Parameters
+        ----------
+        points : sequence of (vertex, axis)
+            Original vertex numbers and the components held there.
+        """
+        return [self._held(self.component(axis), np.array([vertex])) for vertex, axis in points]
+
+    def _held(self, space: fem.FunctionSpace, vertices: NDArray[np.int64]) -> fem.DirichletBC:
+        return fem.dirichletbc(default_scalar_type(0), self.mesh.dofs_at(space, vertices), space)
+
+    @property
+    def number_of_pressures(self) -> int:
+        """Pressure unknowns that are not held, over all layers."""
+        return sum(len(self.mesh.volume.vertices_of(layer)) for layer in range(len(self.layers)))
+
+    def vertex_displacements(self) -> NDArray[np.float64]:
+        """Displacement of all vertices in their original order, m, shape (v, 3)."""
+        values = self.state.x.array
+        columns = [self.mesh.gather(self.component(axis), values) for axis in range(3)]
+        return np.column_stack(columns)

@@ -1,0 +1,124 @@
+"""Strain energies in UFL: a material is its energy, stresses follow by differentiation.
+
+Each law gives the energy per volume of the mesh from the mesh's own C = grad(x)^T grad(x) and
+J = det grad(x), the natural state and the pressure. The natural state is a diagonal
+G = diag(lx, ly, s): the elastic gradient is Fe = grad(x) G, and det G volumes of mesh hold one
+natural volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
+
+The energies are mixed: p is an unknown of its own, whose stationarity gives p = U'(J) (or
+p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
+"""
+
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any, Protocol
+
+import ufl
+
+from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin
+
+
+class StrainEnergy(Protocol):
+    """What the solid asks of a material."""
+
+    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
+        """Energy per volume of the mesh, J/m3, as a UFL expression.
+
+        Parameters
+        ----------
+        C : UFL tensor (3, 3)
+            grad(x)^T grad(x), the deformation of the mesh without its rotation.
+        J : UFL scalar
+            det grad(x), which tells an inverted element from its mirror image.
+        natural : UFL vector (3,)
+            (lx, ly, s), see the module.
+        pressure : UFL scalar
+            The independent pressure (positive in tension), Pa.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class MooneyRivlinEnergy:
+    """W = C10 (I1bar - 3) + C01 (I2bar - 3) + p (J - 1) - p^2 D1 / 4.
+
+    The convention of Abaqus, whose U = (J - 1)^2 / D1 is regained by p = 2 (J - 1) / D1. The
+    constants may be floats or UFL constants; units Pa and 1/Pa.
+    """
+
+    c10: Any
+    c01: Any
+    d1: Any
+
+    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
+        """Energy per volume of the mesh; see `StrainEnergy`."""
+        G = ufl.diag(natural)
+        Ce, Je = G * C * G, J * ufl.det(G)
+        I1 = ufl.tr(Ce)
+        I2 = (I1**2 - ufl.tr(Ce * Ce)) / 2
+        isochoric = self.c10 * (Je ** (-2 / 3) * I1 - 3) + self.c01 * (Je ** (-4 / 3) * I2 - 3)
+        volumetric = pressure * (Je - 1) - pressure**2 * self.d1 / 4
+        return (isochoric + volumetric) / ufl.det(G)
+
+
+@dataclass(frozen=True)
+class LinearEnergy:
+    """w = mu dev(e):dev(e) + p tr(e) - p^2 / (2 K), of the strain e = E + eps0.
+
+    E is the Green strain from the bonded flat state and eps0 the initial strain of eq. 9 of the
+    paper, (lx - 1, ly - 1), with the thickness strain that leaves the bonded state in plane
+    stress. That state's stress is E eps / (1 - nu), the corrected eq. 8.
+
+    Parameters
+    ----------
+    shear_modulus : float or UFL constant
+        mu, Pa.
+    compliance : float or UFL constant
+        1 / K, 1/Pa; 0 is incompressible.
+    """
+
+    shear_modulus: Any
+    compliance: Any
+
+    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
+        """Energy per volume of the mesh; see `StrainEnergy`."""
+        thinning = 1 / (natural[0] * natural[1] * natural[2])
+        thinned = ufl.diag(ufl.as_vector((1, 1, 1 / thinning)))
+        strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + ufl.diag(
+            self._initial_strain(natural)
+        )
+        deviator = ufl.dev(strain)
+        shear = self.shear_modulus * ufl.inner(deviator, deviator)
+        bulk = pressure * ufl.tr(strain) - pressure**2 * self.compliance / 2
+        return (shear + bulk) * thinning
+
+    def _initial_strain(self, natural: Any) -> Any:
+        ratio = self.shear_modulus * self.compliance
+        poisson = (3 - 2 * ratio) / (6 + 2 * ratio)
+        in_plane = natural[0] - 1, natural[1] - 1
+        return ufl.as_vector((*in_plane, -poisson / (1 - poisson) * sum(in_plane)))
+
+
+def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> Any:
+    """Second Piola-Kirchhoff stress of a law, with the mesh as reference, Pa, as a UFL tensor.
+
+    S = 2 dW/dC; its rows and columns are along the mesh's axes whatever the rotation.
+    """
+    C = ufl.variable(gradient.T * gradient)
+    return 2 * ufl.diff(energy.density(C, ufl.sqrt(ufl.det(C)), natural, pressure), C)
+
+
+@singledispatch
+def energy_constants(law: Law) -> tuple[type, dict[str, float]]:
+    """Return the energy of a law and the values of its constants."""
+    raise NotImplementedError(f"no strain energy for {type(law).__name__}")
+
+
+@energy_constants.register
+def _(law: MooneyRivlin) -> tuple[type, dict[str, float]]:
+    return MooneyRivlinEnergy, {"c10": law.c10, "c01": law.c01, "d1": law.d1}
+
+
+@energy_constants.register
+def _(law: LinearElastic) -> tuple[type, dict[str, float]]:
+    return LinearEnergy, {"shear_modulus": law.shear_modulus, "compliance": 1 / law.bulk_modulus}

@@ -1,0 +1,1 @@
+"""Newton's method by PETSc, and what it costs."""

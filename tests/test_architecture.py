@@ -1,0 +1,124 @@
+"""The architecture, held by what the modules import: floors, one way, no circle."""
+
+import ast
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import bilayer
+
+ROOT = Path(__file__).parents[1]
+
+FLOORS = {
+    "bilayer": [
+        ["errors"],
+        ["validation"],
+        ["runtime"],
+        ["specimen"],
+        ["geometry"],
+        ["mesh"],
+        ["contact"],
+        ["measures"],
+        ["results"],
+        ["solvers"],
+        ["calculix"],
+        ["figures"],
+        ["study"],
+        ["cli"],
+        ["__main__"],
+        ["__init__"],
+    ],
+    "dshell": [
+        ["materials"],
+        ["energies"],
+        ["settings"],
+        ["solve"],
+        ["models"],
+        ["release"],
+        ["solver"],
+        ["__init__"],
+    ],
+    "fenics_model": [
+        ["settings"],
+        ["api"],
+        ["mesh"],
+        ["solid"],
+        ["solve"],
+        ["branches"],
+        ["path"],
+        ["release"],
+        ["solver"],
+        ["__init__"],
+    ],
+}
+"""From the lowest floor up: a module imports its own floor and those below."""
+
+
+def modules(package: str) -> Iterator[str]:
+    for file in sorted((ROOT / package).rglob("*.py")):
+        yield ".".join(file.relative_to(ROOT).with_suffix("").parts)
+
+
+def imports_of(module: str) -> set[str]:
+    """The project's modules that a module imports, also within functions and for types."""
+    file = ROOT.joinpath(*module.split(".")).with_suffix(".py")
+    found = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            found |= {name if is_module(name) else node.module for name in names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return {name for name in found if name.split(".")[0] in FLOORS}
+
+
+def is_module(name: str) -> bool:
+    place = ROOT.joinpath(*name.split("."))
+    return place.with_suffix(".py").exists() or (place / "__init__.py").exists()
+
+
+def floor_of(module: str) -> int:
+    package, *rest = module.split(".")
+    part = rest[0] if rest else "__init__"
+    return next(k for k, floor in enumerate(FLOORS[package]) if part in floor)
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_no_import_goes_up(package):
+    upward = [
+        f"{module} imports {other}"
+        for module in modules(package)
+        for other in imports_of(module)
+        if other.split(".")[0] == package and floor_of(other) > floor_of(module)
+    ]
+    assert upward == []
+
+
+def test_no_circle():
+    graph = {
+        module.removesuffix(".__init__"): imports_of(module) - {module.removesuffix(".__init__")}
+        for package in FLOORS
+        for module in modules(package)
+    }
+    lazy = {"bilayer", "bilayer.solvers.registry"}  # they load the solvers when they are asked for
+    TopologicalSorter({k: set() if k in lazy else v for k, v in graph.items()}).prepare()
+
+
+def test_solvers_do_not_know_each_other():
+    for one, other in (("dshell", "fenics_model"), ("fenics_model", "dshell")):
+        for module in modules(one):
+            assert not any(name.split(".")[0] == other for name in imports_of(module)), module
+
+
+def test_only_the_registry_knows_the_solvers():
+    for module in modules("bilayer"):
+        if module not in ("bilayer.__init__", "bilayer.solvers.registry"):
+            assert all(name.split(".")[0] == "bilayer" for name in imports_of(module)), module
+
+
+def test_the_face_shows_what_a_user_calls_and_nothing_else():
+    assert dir(bilayer) == sorted(bilayer.__all__)
+    for name in bilayer.__all__:
+        assert getattr(bilayer, name) is not None
