@@ -11,7 +11,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import BondedLayer, Layer, Specimen
+from bilayer.specimen.layer import BondedLayer, Layer
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
@@ -62,7 +63,7 @@ class BilayerSolid:
         rule = self.specimen.prestretch.thickness
         for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
             bonded = self.specimen.bonded_layer(name, stretch)
-            layer.natural.value = natural_state(bonded.stretch, rule)
+            layer.natural.value = natural_state(bonded.axial_stretch, rule)
 
 
 def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
@@ -116,12 +117,12 @@ def bilayer_solid(
     parts = layers_on(specimen, mesh)
     layered = LayeredMesh(extruded(parts, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
-    acceleration = -weight + saddle * _saddle_shape(layered, specimen.outer_radius)
+    acceleration = -weight + saddle * _saddle_shape(layered, specimen.characteristic_length)
     layers = [_solid_layer(layered, part.layer, acceleration) for part in parts]
     solid = Solid(
         layered,
         layers,
-        pressure_scale=specimen.substrate.material.shear_modulus / specimen.substrate.thickness,
+        pressure_scale=specimen.carrier.material.shear_modulus / specimen.carrier.thickness,
         quadrature_degree=settings.quadrature_degree,
     )
     return BilayerSolid(
@@ -143,7 +144,7 @@ def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
     Unstretched, they have the thickness with which they are drawn.
     """
     layers = specimen.bonded_layers(UNSTRETCHED)
-    return [part for part in layers if len(mesh.faces_in(part.regions))]
+    return [part for part in layers if len(mesh.faces_of(part.name))]
 
 
 def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
@@ -153,7 +154,7 @@ def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSett
         "kirigami": settings.kirigami_elements,
     }
     slabs = [
-        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_in(part.regions)])
+        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_of(part.name)])
         for part in parts
     ]
     return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
