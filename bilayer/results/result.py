@@ -125,7 +125,7 @@ def build_result(
         {
             **_planar_variables(mesh),
             **_position_variables(rows),
-            **_measure_variables(mesh, rows),
+            **_measure_variables(specimen, mesh, rows),
             **_contact_variables(specimen, mesh, rows),
             **_count_variables(rows),
         },
@@ -330,9 +330,12 @@ def _position_variables(rows: Sequence[MilestoneState]) -> dict[str, Any]:
     return variables
 
 
-def _measure_variables(mesh: PlanarMesh, rows: Sequence[MilestoneState]) -> dict[str, Any]:
+def _measure_variables(
+    specimen: Specimen, mesh: PlanarMesh, rows: Sequence[MilestoneState]
+) -> dict[str, Any]:
+    radius = specimen.characteristic_length
     measures = [
-        measure_shape(mesh, row.position) if row.converged else ShapeMeasures.undefined()
+        measure_shape(mesh, row.position, radius) if row.converged else ShapeMeasures.undefined()
         for row in rows
     ]
 
