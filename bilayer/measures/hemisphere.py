@@ -1,8 +1,8 @@
 """How far a shape is from the hemisphere that it would make if its meridians kept their length.
 
 A disc of radius R has meridians of length R; so has the hemisphere of radius a = 2 R / pi. Any
-other sheet is compared with the hemisphere of the disc of its area. The distance between a surface S
-and that hemisphere H is the area-weighted symmetric root mean square
+other sheet is compared with the hemisphere of the disc of its area. The distance between a surface
+S and that hemisphere H is the area-weighted symmetric root mean square
 
     sqrt( (mean over S of d(x, H)^2 + mean over H of d(x, S)^2) / 2 )
 
