@@ -215,7 +215,7 @@ class Specimen:
         number = self.layers.index(self.layer(name))
         return self.bonded_layers(stretch)[number]
 
-    def with_layer(self, name: str, **changes: Any) -> "Specimen":
+    def with_layer(self, name: str, /, **changes: Any) -> "Specimen":
         """Return the same specimen with some fields of one layer changed."""
         changed = self.layer(name)
         layers = [replace(layer, **changes) if layer is changed else layer for layer in self.layers]

@@ -39,13 +39,15 @@ OUTLINES = {
     "rounded": Rectangle(0.05, 0.04, 0.008),
     "stadium": Rectangle(0.06, 0.03, 0.015),
     "hexagon": RegularPolygon(6, 0.022),
-    "holes": Polygon(square(0, 0, 0.02), (square(0.012, 0.012, 0.004), circle(-0.01, -0.01, 0.003))),
+    "holes": Polygon(
+        square(0, 0, 0.02), (square(0.012, 0.012, 0.004), circle(-0.01, -0.01, 0.003))
+    ),
     "L": Polygon(((0, 0), (0.04, 0), (0.04, 0.02), (0.02, 0.02), (0.02, 0.04), (0, 0.04))),
 }  # fmt: skip
 PATTERNS = {
     "whole": None,
     "sectors": CutPattern(5, 0.006, 0.4),
-    "pointed profile": SectorProfile(6, (0.005, 0.01, 0.02), (0.0, 0.2, 0.1)),
+    "pointed profile": SectorProfile(6, (0.005, 0.01, 0.018), (0.0, 0.2, 0.1)),
     "blunt profile": SectorProfile(4, (0.004, 0.02), (0.2, 0.5)),
     "kept polygons": Polygons((square(0.002, 0.002, 0.006), circle(0.012, 0.006, 0.004))),
     "cut polygons": Polygons((circle(0.001, 0, 0.005), square(0.01, 0.004, 0.002)), "cut"),

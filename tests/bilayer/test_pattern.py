@@ -63,8 +63,10 @@ def test_a_cross_is_two_bars():
     assert Cross(width, 0.03, 0.5).kept(SQUARE).area == pytest.approx(2 * width * 0.03 - width**2)
 
 
-@pytest.mark.parametrize("pattern", [*filter(None, PATTERNS.values()), Cross(0.004, None, math.pi / 4)],
-                         ids=str)  # fmt: skip
+SYMMETRIC = [*filter(None, PATTERNS.values()), Cross(0.004, None, math.pi / 4)]
+
+
+@pytest.mark.parametrize("pattern", SYMMETRIC, ids=str)
 def test_symmetries_leave_it_as_it_is(pattern):
     kept, (turns, mirrored) = pattern.kept(DISC), pattern.symmetry
     same = [shapely.affinity.rotate(kept, 2 * math.pi / turns, origin=(0, 0), use_radians=True)]
