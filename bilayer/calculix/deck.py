@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from bilayer.calculix.drawn_layer import INTERFACE, DrawnLayer, draw_layer, natural_scale
 from bilayer.calculix.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.errors import InputError
+from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
@@ -36,7 +37,7 @@ from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
 from bilayer.specimen.support import HeldNodes, support
 from bilayer.specimen.toml import specimen_to_toml
 from bilayer.specimen.two_layers import LAYERS, TwoLayers
-from bilayer.validation import finite, one_of, positive
+from bilayer.validation import finite, keep, one_of, positive
 
 MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
 
@@ -65,11 +66,10 @@ class DeckSettings:
     )
 
     def __post_init__(self) -> None:
-        one_of("solver.element", self.element, ELEMENTS)
-        finite("solver.imperfection", self.imperfection)
+        keep(self, one_of, "element", table="solver.", choices=ELEMENTS)
+        keep(self, finite, "imperfection", table="solver.")
         increments = ("smallest_increment", "first_increment", "largest_increment")
-        for name in increments:
-            positive(f"solver.{name}", getattr(self, name))
+        keep(self, positive, *increments, table="solver.")
         for smaller, larger in pairwise(increments):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(
@@ -121,10 +121,12 @@ def write_decks(
     Raises
     ------
     InputError
-        A material cannot be had, or the folder cannot be written.
+        A material cannot be had, the mesh is not one of the specimen, or the folder cannot be
+        written.
     ComputationError
         Writing failed, for example on a full disk.
     """
+    check_agreement(specimen, mesh)
     milestones = specimen.prestretch.milestones
     target = Path(path)
     names = [target]

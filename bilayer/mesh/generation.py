@@ -9,6 +9,7 @@ import psutil
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError, InputError
+from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.divided_sheet import DividedSheet
 from bilayer.mesh.drawing import TRIANGLES_PER_AREA, Drawing
 from bilayer.mesh.gmsh_session import gmsh_session
@@ -61,6 +62,8 @@ def mesh_within_memory(
 ) -> PlanarMesh:
     """Return a given mesh, or that of a specimen, if there is the memory to go on with it.
 
+    A given mesh has to be one of the specimen.
+
     Parameters
     ----------
     specimen : Specimen
@@ -73,13 +76,14 @@ def mesh_within_memory(
     Raises
     ------
     InputError
-        There is less memory than needed.
+        There is less memory than needed, or the mesh is not one of the specimen.
     ComputationError
         gmsh is not there, or fails.
     """
     if mesh is None:
         check_memory(specimen, bytes_per_triangle, what)
         return generate_mesh(specimen)
+    check_agreement(specimen, mesh)
     count = len(mesh.triangles)
     _check_available(f"mesh: its {count}", count * bytes_per_triangle, what)
     return mesh
