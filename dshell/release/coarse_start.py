@@ -88,7 +88,8 @@ def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
     centre = coarse.centroid
     share = (1 - 1e-9) * _share_within_hull(coarse.points - centre, fine, centre)
     surface = SmoothSurface(coarse, shape).at(centre + share * (fine.points - centre))
-    return surface / share
+    grown: Array = surface / share
+    return grown
 
 
 def _share_within_hull(hull: Array, fine: PlanarMesh, centre: Array) -> float:
