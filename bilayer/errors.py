@@ -14,6 +14,10 @@ class InputError(BilayerError, ValueError):
     """Bad input: the text names the field, its value and what was expected."""
 
 
+class NotEnoughMemoryError(InputError):
+    """A computation that would not fit into the memory there is now; elsewhere or later it may."""
+
+
 class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
 
