@@ -48,6 +48,12 @@ class NoResult:
     reason: str
 
 
+def _pair(stretch: Any) -> tuple[float, float]:
+    """Return a milestone of a plan as (lambda_x, lambda_y); older plans hold the larger alone."""
+    x, y = stretch if isinstance(stretch, list) else (stretch, stretch)
+    return x, y
+
+
 class StudyFolder:
     """The files of a study.
 
@@ -113,7 +119,7 @@ class StudyFolder:
                 "solver": case.solver,
                 "model": case.model,
                 "mesh": case.mesh_identity,
-                "milestones": case.specimen.prestretch.nominal,
+                "milestones": case.specimen.prestretch.milestones,
                 "values": dict(case.values),
             }
             for case in plan.cases
@@ -123,7 +129,7 @@ class StudyFolder:
             partial.write_text(text, encoding="utf-8")
 
     def planned(self) -> dict[str, Any]:
-        """Return what `keep_plan` wrote: `fields` and `cases`.
+        """Return what `keep_plan` wrote: `fields` and `cases`, whose milestones are pairs.
 
         Raises
         ------
@@ -137,6 +143,8 @@ class StudyFolder:
                 f"study folder {self.path}: has no plan.json that can be read, expected the "
                 "folder of `bilayer study`"
             ) from error
+        for entry in plan["cases"]:
+            entry["milestones"] = [_pair(stretch) for stretch in entry["milestones"]]
         return plan
 
     def has_result(self, identity: str) -> bool:

@@ -28,8 +28,9 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
     -------
     DataFrame
         A row per case and milestone: the case's hash, solver, model, the varied values,
-        `prestretch`, `status` (done, stopped early, failed, lacks memory, missing), scalars of the
-        result in SI units, the `reason` where something is missing, what made it, and the timings.
+        `prestretch` (the larger of `prestretch_x` and `prestretch_y`), `status` (done, stopped
+        early, failed, lacks memory, missing), scalars of the result in SI units, the `reason`
+        where something is missing, what made it, and the timings.
     """
     planned = folder.planned()
     rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
@@ -60,7 +61,9 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
     return [
         {
             **named,
-            "prestretch": stretch,
+            "prestretch": max(pair),
+            "prestretch_x": pair[0],
+            "prestretch_y": pair[1],
             "status": status,
             **{name: columns[name][k] for name in SHOWN},
             "reason": reason,
@@ -70,7 +73,7 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
             "wall_time": columns["wall_time"][k],
             "case_seconds": made.get("study_case_seconds", np.nan),
         }
-        for k, stretch in enumerate(entry["milestones"])
+        for k, pair in enumerate(entry["milestones"])
     ]
 
 
