@@ -25,6 +25,10 @@ def fields_of(table: str) -> Iterator[None]:
         raise InputError(f"{table}.{error}") from error
 
 
+class NotEnoughMemoryError(InputError):
+    """A computation that would not fit into the memory there is now; elsewhere or later it may."""
+
+
 class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
 

@@ -11,11 +11,11 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import psutil
 from numpy.typing import NDArray
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import ComputationError, InputError, NotEnoughMemoryError
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.runtime.memory import available_memory
 from bilayer.specimen.outline import Disc
 from bilayer.specimen.pattern import CutPattern
 from bilayer.specimen.specimen import Specimen
@@ -81,8 +81,10 @@ def _sectors(cut: CutPattern | None, r: NDArray[np.float64]) -> tuple[Any, NDArr
     return np.where(inside, 0.5, cut.strips), np.where(inside, 2 * math.pi, angles)
 
 
-def check_memory(specimen: Specimen, bytes_per_triangle: float, what: str) -> None:
-    """Raise InputError where the mesh size asks for more memory than there is.
+def check_memory(
+    specimen: Specimen, bytes_per_triangle: float, what: str, available: float | None = None
+) -> None:
+    """Raise NotEnoughMemoryError if the mesh size asks for more memory than there is.
 
     Parameters
     ----------
@@ -92,15 +94,20 @@ def check_memory(specimen: Specimen, bytes_per_triangle: float, what: str) -> No
         What the step named `what` takes.
     what : str
         For the message: "the mesh", "the finite-element model", ...
+    available : float, optional
+        Bytes; what this machine has where left out.
     """
     count = estimated_triangles(specimen)
-    _check_available(
-        f"mesh.size = {specimen.mesh.size} m: about {count:.3g}", count * bytes_per_triangle, what
-    )
+    triangles = f"mesh.size = {specimen.mesh.size} m: about {count:.3g}"
+    _check_available(triangles, count * bytes_per_triangle, what, available)
 
 
 def mesh_within_memory(
-    specimen: Specimen, mesh: PlanarMesh | None, bytes_per_triangle: float, what: str
+    specimen: Specimen,
+    mesh: PlanarMesh | None,
+    bytes_per_triangle: float,
+    what: str,
+    available: float | None = None,
 ) -> PlanarMesh:
     """Return a given mesh, or that of a specimen, if there is the memory to go on with it.
 
@@ -110,30 +117,30 @@ def mesh_within_memory(
         To be meshed where there is no mesh.
     mesh : PlanarMesh or None
         The mesh that is given.
-    bytes_per_triangle, what
+    bytes_per_triangle, what, available
         See `check_memory`.
 
     Raises
     ------
-    InputError
+    NotEnoughMemoryError
         There is less memory than needed.
     ComputationError
         gmsh is not there, or fails.
     """
     if mesh is None:
-        check_memory(specimen, bytes_per_triangle, what)
+        check_memory(specimen, bytes_per_triangle, what, available)
         return generate_mesh(specimen)
     count = len(mesh.triangles)
-    _check_available(f"mesh: its {count}", count * bytes_per_triangle, what)
+    _check_available(f"mesh: its {count}", count * bytes_per_triangle, what, available)
     return mesh
 
 
-def _check_available(triangles: str, needed: float, what: str) -> None:
-    available = psutil.virtual_memory().available
-    if needed > available:
-        raise InputError(
+def _check_available(triangles: str, needed: float, what: str, available: float | None) -> None:
+    there_is = available_memory() if available is None else available
+    if needed > there_is:
+        raise NotEnoughMemoryError(
             f"{triangles} triangles would take {needed / 2**30:.3g} GiB for {what}, expected at "
-            f"most the {available / 2**30:.3g} GiB of memory available"
+            f"most the {there_is / 2**30:.3g} GiB of memory available"
         )
 
 
@@ -152,7 +159,7 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
 
     Raises
     ------
-    InputError
+    NotEnoughMemoryError
         The mesh would not fit into memory.
     ComputationError
         gmsh is not there, or fails.

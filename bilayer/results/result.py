@@ -20,6 +20,7 @@ from bilayer.contact.self_contact import BondedBody, self_contact_gap
 from bilayer.errors import InputError
 from bilayer.measures.shape import ShapeMeasures, measure_shape
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.milestones import along_milestones
 from bilayer.runtime.output_file import HDF5_ROOM, whole_file
 from bilayer.runtime.version import git_commit, own_versions
 from bilayer.specimen.settings import settings_to_toml
@@ -243,12 +244,12 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> ND
             f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
             f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
         )
-    reached = start.isel(prestretch=np.flatnonzero(start["converged"].values == 1))
-    if reached.sizes["prestretch"] == 0:
+    start = along_milestones(start)
+    reached = np.flatnonzero(start["converged"].values == 1)
+    if len(reached) == 0:
         raise InputError("start: has no converged milestone, expected at least one")
-    shape: NDArray[np.float64] = (
-        reached["position"].sel(prestretch=prestretch, method="nearest").values
-    )
+    apart = np.abs(start["prestretch"].values[reached] - prestretch)
+    shape: NDArray[np.float64] = start["position"].values[reached[np.argmin(apart)]]
     return shape
 
 

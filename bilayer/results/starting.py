@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.milestones import along_milestones
 from bilayer.results.result import SAME_STRETCH, starting_shape
 from bilayer.specimen.specimen import Specimen
 
@@ -69,6 +70,7 @@ def shapes_on_the_way(
     InputError
         The start is on another planar mesh, or reached no milestone.
     """
+    start = along_milestones(start)
     nearest = starting_shape(start, mesh, max(milestones[0]))
     done = start["converged"].values == 1
     pairs = np.column_stack([start["prestretch_x"].values, start["prestretch_y"].values])[done]

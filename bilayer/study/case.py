@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from bilayer.mesh.generation import estimated_triangles
+from bilayer.mesh.generation import check_memory, estimated_triangles
 from bilayer.results.result import SCHEMA_VERSION
 from bilayer.solvers.registry import solver_package
 from bilayer.specimen.settings import settings_to_toml
@@ -74,6 +74,15 @@ class Case:
     def memory(self) -> float:
         """Estimated memory of the process that computes it, bytes."""
         return BYTES_OF_A_PROCESS + self._model_memory
+
+    def check_memory(self, available: float) -> None:
+        """Raise NotEnoughMemoryError if its process would take more than is available, bytes."""
+        check_memory(
+            self.specimen,
+            solver_package(self.solver).BYTES_PER_TRIANGLE,
+            f"the solver {self.solver!r}",
+            max(available - BYTES_OF_A_PROCESS, 0.0),
+        )
 
     @property
     def _model_memory(self) -> float:

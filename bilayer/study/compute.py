@@ -4,9 +4,10 @@ import time
 import traceback
 from typing import Any
 
+from bilayer.errors import NotEnoughMemoryError
 from bilayer.solvers.registry import solve, solver_package
 from bilayer.study.case import Case
-from bilayer.study.folder import BEGUN, StudyFolder
+from bilayer.study.folder import BEGUN, FAILED, LACKS_MEMORY, StudyFolder
 
 
 def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
@@ -38,8 +39,10 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         result = solve(case.specimen, case.solver, case.settings, comm=comm)
     except Exception as error:
         if first:
+            lacks_memory = isinstance(error, (NotEnoughMemoryError, MemoryError))
+            status = LACKS_MEMORY if lacks_memory else FAILED
             reason = f"{type(error).__name__}: {error}"
-            folder.keep_failure(case, reason, traceback.format_exc())
+            folder.keep_failure(case, reason, traceback.format_exc(), status)
         return
     if first:
         folder.keep_result(case, result, time.perf_counter() - start)

@@ -21,6 +21,7 @@ from bilayer.mesh.generation import mesh_within_memory
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.result import UNKNOWN_STABILITY, MilestoneState, build_result
 from bilayer.results.starting import ShapeOnTheWay, began, described, shapes_on_the_way
+from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import support
@@ -68,7 +69,10 @@ def release(
 ) -> xr.Dataset:
     """Do what `fenics_model.solve` says."""
     comm = MPI.COMM_WORLD if comm is None else comm
-    planar: PlanarMesh = from_first_rank(comm, lambda: _checked_mesh(specimen, mesh, settings))
+    available = available_memory(comm)
+    planar: PlanarMesh = from_first_rank(
+        comm, lambda: _checked_mesh(specimen, mesh, settings, available)
+    )
     body = bilayer_solid(specimen, planar, settings, comm)
     start, start_description = _made_start(start, planar, comm)
     shapes = (
@@ -343,11 +347,12 @@ def _made_start(
 
 
 def _checked_mesh(
-    specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings
+    specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings, available: float
 ) -> PlanarMesh:
+    """Return the mesh of a run if the machines of all ranks together have the memory for it."""
     elements = settings.substrate_elements + settings.kirigami_elements
     needed = BYTES_PER_TRIANGLE * elements / 2
-    return mesh_within_memory(specimen, mesh, needed, "the finite-element model")
+    return mesh_within_memory(specimen, mesh, needed, "the finite-element model", available)
 
 
 def versions() -> dict[str, str]:

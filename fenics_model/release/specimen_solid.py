@@ -10,6 +10,7 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.layer import BondedLayer, Layer
 from bilayer.specimen.specimen import Specimen
@@ -117,8 +118,16 @@ def bilayer_solid(
     parts = layers_on(specimen, mesh)
     layered = LayeredMesh(extruded(parts, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
-    acceleration = -weight + saddle * _saddle_shape(layered, specimen.characteristic_length)
-    layers = [_solid_layer(layered, part.layer, acceleration) for part in parts]
+    saddles = [
+        SaddleLoad.on_plate(
+            mesh.points, mesh.triangles[mesh.faces_of(part.name)], specimen.characteristic_length
+        )
+        for part in parts
+    ]
+    layers = [
+        _solid_layer(layered, part.layer, -weight + saddle * _saddle_shape(layered, own))
+        for part, own in zip(parts, saddles, strict=True)
+    ]
     solid = Solid(
         layered,
         layers,
@@ -185,7 +194,9 @@ def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Consta
     return fem.Constant(mesh.mesh, np.asarray(value, dtype=default_scalar_type))
 
 
-def _saddle_shape(mesh: LayeredMesh, radius: float) -> Any:
-    """(X^2 - Y^2) / R^2: a load that is in balance with itself on a disc."""
-    X = ufl.SpatialCoordinate(mesh.mesh)
-    return (X[0] ** 2 - X[1] ** 2) / _constant(mesh, radius) ** 2
+def _saddle_shape(mesh: LayeredMesh, load: SaddleLoad) -> Any:
+    """Return the shape of a load that is in balance on its layer, whatever the layer's mass."""
+    x, y, _ = ufl.SpatialCoordinate(mesh.mesh)
+    a, b, c = load.affine
+    free = SaddleLoad(_constant(mesh, load.length), _constant(mesh, (a, b, c)))
+    return free.at(x, y)
