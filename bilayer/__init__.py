@@ -29,14 +29,19 @@ if TYPE_CHECKING:
     from bilayer.results.result import open_result, result_mesh, result_specimen, write_result
     from bilayer.runtime.version import __version__
     from bilayer.solvers.registry import solve
+    from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
-    from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
+    from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
+    from bilayer.specimen.pattern import Cross, CutPattern, Polygons, SectorProfile
+    from bilayer.specimen.prestretch import Prestretch
+    from bilayer.specimen.specimen import MeshSize, Specimen
     from bilayer.specimen.toml import (
         paper_specimen,
         parse_specimen,
         read_specimen,
         specimen_to_toml,
     )
+    from bilayer.specimen.two_layers import disc_bilayer
     from bilayer.study.dataset import open_study
     from dshell.settings import HingeSettings, MorleySettings, PaperSettings
     from fenics_model.settings import SolidSettings
@@ -62,13 +67,18 @@ _MODULES = {
     "bilayer.runtime.version": ("__version__",),
     "bilayer.solvers.registry": ("solve",),
     "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
-    "bilayer.specimen.specimen": ("CutPattern", "Layer", "MeshSize", "Prestretch", "Specimen"),
+    "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
+    "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
+    "bilayer.specimen.pattern": ("Cross", "CutPattern", "Polygons", "SectorProfile"),
+    "bilayer.specimen.prestretch": ("Prestretch",),
+    "bilayer.specimen.specimen": ("MeshSize", "Specimen"),
     "bilayer.specimen.toml": (
         "paper_specimen",
         "parse_specimen",
         "read_specimen",
         "specimen_to_toml",
     ),
+    "bilayer.specimen.two_layers": ("disc_bilayer",),
     "bilayer.study.dataset": ("open_study",),
     "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
     "fenics_model.settings": ("SolidSettings",),

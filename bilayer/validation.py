@@ -59,6 +59,20 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
     return str(value)
 
 
+def listed(field: str, value: Any) -> list[Any]:
+    """Return `value` as a list; raise InputError unless it is a list of something."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise InputError(f"{field} = {value!r}: expected a list")
+    return list(value)
+
+
+def text(field: str, value: Any) -> str:
+    """Return `value`; raise InputError unless it is a text."""
+    if not isinstance(value, str):
+        raise InputError(f"{field} = {value!r}: expected a text")
+    return str(value)
+
+
 def nearest(name: Any, known: Iterable[str]) -> str:
     """Return "; did you mean 'x'?" with the known name closest to `name`, or an empty text."""
     match = get_close_matches(str(name), list(known), n=1, cutoff=0.5)

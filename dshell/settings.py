@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bilayer.errors import InputError
+from bilayer.specimen.prestretch import BONDED_THICKNESS_RULES
 from bilayer.specimen.settings import documented
-from bilayer.specimen.specimen import BONDED_THICKNESS_RULES
 from bilayer.validation import fraction, not_negative, one_of, positive, whole
 from dshell.energies.through_thickness import PROFILES
 

@@ -27,14 +27,16 @@ from bilayer.calculix.drawn_layer import INTERFACE, DrawnLayer, draw_layer, natu
 from bilayer.calculix.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.errors import InputError
 from bilayer.geometry.saddle_load import SaddleLoad
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh, flat_surface
+from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
+from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin, NeoHookean
 from bilayer.specimen.settings import documented
-from bilayer.specimen.specimen import LAYERS, BondedLayer, Specimen
+from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
 from bilayer.specimen.support import HeldNodes, support
 from bilayer.specimen.toml import specimen_to_toml
+from bilayer.specimen.two_layers import LAYERS, TwoLayers
 from bilayer.validation import finite, one_of, positive
 
 MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
@@ -187,6 +189,7 @@ def deck_points(
 def _parts(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float], element: str
 ) -> tuple[_Part, _Part]:
+    TwoLayers.of(specimen, "CalculiX deck")
     cells = quadratic_mesh(mesh, element)
     substrate, kirigami = (specimen.bonded_layer(name, stretch) for name in LAYERS)
     first = _part(cells, substrate, 1, 1)
@@ -194,7 +197,7 @@ def _parts(
 
 
 def _part(cells: QuadraticMesh, bonded: BondedLayer, node: int, element: int) -> _Part:
-    scale = natural_scale(bonded.layer.material, bonded.stretch)
+    scale = natural_scale(bonded.layer.material, bonded.axial_stretch)
     return _Part(bonded, draw_layer(cells, bonded, scale), scale, node, element)
 
 
@@ -352,9 +355,9 @@ def _saddle_load(
 ) -> Iterator[str]:
     """Yield forces on the substrate's mass where no node is eliminated, see `SaddleLoad`."""
     eliminated, kept = (part.nodes(INTERFACE)[: len(mesh.points)] for part in parts)
-    substrate = specimen.substrate
+    substrate = specimen.carrier
     mass = substrate.density * substrate.thickness * flat_surface(mesh).node_areas
-    saddle = SaddleLoad.on_points(mesh.points, mass, specimen.outer_radius)
+    saddle = SaddleLoad.on_points(mesh.points, mass, specimen.characteristic_length)
     forces = mass * acceleration * saddle.at(*mesh.points.T)
     yield "*CLOAD, AMPLITUDE=VANISHING"
     for node, force in zip(np.where(kept > 0, kept, eliminated), forces, strict=True):
@@ -366,6 +369,6 @@ def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
 
     The substrate's nodes that do are eliminated.
     """
-    carrying = np.unique(mesh.triangles[mesh.region == KIRIGAMI])
+    carrying = np.unique(mesh.triangles[mesh.faces_of(KIRIGAMI_LAYER)])
     a, b, c = carrying[list(support(mesh.points[carrying], gravity))]
     return int(a), int(b), int(c)

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
 from bilayer.mesh.generation import gmsh_session
-from bilayer.mesh.planar import BARE, KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.two_layers import BARE, KIRIGAMI
 
 Cells = NDArray[np.int64]
 GMSH_TRIANGLE, GMSH_QUADRILATERAL = 2, 3

@@ -10,7 +10,8 @@ from bilayer.errors import InputError
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh, read_planar_mesh
 from bilayer.results.result import open_result, result_mesh
-from bilayer.specimen.specimen import KIRIGAMI, Specimen
+from bilayer.specimen.pattern import kept_share
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
 
 CUT_TOLERANCE = 0.02
@@ -87,20 +88,20 @@ def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
     else:
         mesh = read_planar_mesh(options.mesh)
     radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
-    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
+    if abs(radius - specimen.characteristic_length) > 1e-3 * specimen.characteristic_length:
         raise InputError(
             f"mesh file {options.mesh}: its outermost node lies at {radius:g} m, expected "
-            f"specimen.outer_radius = {specimen.outer_radius} m"
+            f"specimen.outer_radius = {specimen.characteristic_length} m"
         )
-    if specimen.cut is not None:
+    if any(not layer.is_whole for layer in specimen.layers):
         _check_cut(options.mesh, mesh, specimen)
     return mesh
 
 
 def _check_cut(file: str, mesh: PlanarMesh, specimen: Specimen) -> None:
     """Raise InputError where the kirigami of a mesh is not as large as the cut leaves it."""
-    covered = float(mesh.areas[mesh.region == KIRIGAMI].sum() / mesh.areas.sum())
-    expected = specimen.kirigami_share
+    covered = float(mesh.areas[mesh.faces_of("kirigami")].sum() / mesh.areas.sum())
+    expected = kept_share(specimen.layer("kirigami").pattern, specimen.outline)
     if abs(covered - expected) > CUT_TOLERANCE:
         raise InputError(
             f"mesh file {file}: kirigami covers {covered:.1%} of it, expected {expected:.1%} by "

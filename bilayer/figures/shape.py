@@ -29,12 +29,13 @@ from bilayer.figures.style import (
 )
 from bilayer.geometry.surface import Surface
 from bilayer.measures.body_frame import body_frame
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
 from bilayer.results.milestones import along_milestones
 from bilayer.results.result import result_mesh
 from bilayer.results.table import stretch_text, stretches
+from bilayer.specimen.two_layers import KIRIGAMI
 
 Array = NDArray[np.float64]
 

@@ -13,10 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.errors import ComputationError, NotEnoughMemoryError
-from bilayer.mesh.planar import BARE, KIRIGAMI, PlanarMesh
+from bilayer.errors import ComputationError, InputError, NotEnoughMemoryError
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.memory import available_memory
-from bilayer.specimen.specimen import CutPattern, Specimen
+from bilayer.specimen.outline import Disc
+from bilayer.specimen.pattern import CutPattern
+from bilayer.specimen.specimen import Specimen
 
 BYTES_PER_TRIANGLE = 2000
 """Memory that gmsh and the arrays of the mesh take (measured: 1.3 to 1.9 kB per triangle)."""
@@ -37,18 +39,36 @@ def estimated_triangles(specimen: Specimen) -> float:
     Their size goes linearly from the corners' at the inner radius to the mesh's at the rim. Strips
     and cutouts narrower than that are a row of two triangles for every length of it.
     """
-    radius, size = specimen.outer_radius, specimen.mesh.size
+    radius, cut = _sector_disc(specimen)
+    size = specimen.mesh.size
     finest, inner = size, 0.0
-    if specimen.cut is not None and specimen.mesh.corner_size is not None:
-        finest, inner = specimen.mesh.corner_size, specimen.cut.inner_radius
+    if cut is not None and specimen.mesh.corner_size is not None:
+        finest, inner = specimen.mesh.corner_size, cut.inner_radius
     rings = 10_000
     r = (np.arange(rings) + 0.5) * radius / rings
     with np.errstate(over="ignore", divide="ignore"):
         local_size = np.interp(r, [0.0, inner, radius], [size, finest, size])
         per_area = TRIANGLES_PER_AREA / local_size**2
-        sectors, angle = _sectors(specimen.cut, r)
+        sectors, angle = _sectors(cut, r)
         in_each = np.maximum(per_area * angle * r, 2 / local_size)
         return float(np.sum(sectors * in_each) * radius / rings)
+
+
+def _sector_disc(specimen: Specimen) -> tuple[float, CutPattern | None]:
+    """Return the radius and the sectors of a disc whose layers are whole or cut by the same ones.
+
+    Raises
+    ------
+    InputError
+        It is not such a disc.
+    """
+    cuts = {layer.pattern for layer in specimen.layers} - {None}
+    if not isinstance(specimen.outline, Disc) or len(cuts) > 1:
+        raise InputError("outline: expected a disc with one pattern of sectors")
+    cut = next(iter(cuts), None)
+    if cut is not None and not isinstance(cut, CutPattern):
+        raise InputError(f"pattern = {cut!r}: expected sectors")
+    return specimen.outline.radius, cut
 
 
 def _sectors(cut: CutPattern | None, r: NDArray[np.float64]) -> tuple[Any, NDArray[np.float64]]:
@@ -135,7 +155,7 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
     Returns
     -------
     PlanarMesh
-        Triangles tagged `KIRIGAMI` or `BARE`; the cut edges are edges of the mesh.
+        With the layers that lie on each triangle; the cut edges are edges of the mesh.
 
     Raises
     ------
@@ -147,13 +167,13 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
     check_memory(specimen, BYTES_PER_TRIANGLE, "the mesh")
     with gmsh_session() as gmsh:
         try:
-            kirigami, bare = _draw(gmsh, specimen)
+            covered, bare = _draw(gmsh, specimen)
             gmsh.model.mesh.generate(2)
-            triangles = [_triangles(gmsh, kirigami), _triangles(gmsh, bare)]
+            triangles = [_triangles(gmsh, covered), _triangles(gmsh, bare)]
             tags, coordinates, _ = gmsh.model.mesh.getNodes()
         except Exception as error:  # gmsh raises bare Exceptions
             raise ComputationError(f"gmsh could not mesh the specimen: {error}") from error
-    return _numbered_from_zero(tags, coordinates, triangles)
+    return _numbered_from_zero(specimen, tags, coordinates, triangles)
 
 
 @contextmanager
@@ -193,17 +213,18 @@ class _Cutout(NamedTuple):
 
 
 def _draw(gmsh: Any, specimen: Specimen) -> tuple[list[int], list[int]]:
-    """Draw the disc; return its kirigami surface and its bare ones."""
+    """Draw the disc; return the surface where all layers lie and the bare ones."""
     geo = gmsh.model.geo
+    radius, cut = _sector_disc(specimen)
     centre = geo.addPoint(0, 0, 0, specimen.mesh.size)
     pen = _Pen(geo, centre)
-    if specimen.cut is None:
-        start = pen.point(specimen.outer_radius, 0.0, specimen.mesh.size)
-        rim = (specimen.outer_radius, specimen.mesh.size)
+    if cut is None:
+        start = pen.point(radius, 0.0, specimen.mesh.size)
+        rim = (radius, specimen.mesh.size)
         outline = pen.arcs(start, start, 0.0, 2 * math.pi, *rim)
         bare: list[int] = []
     else:
-        outline, bare = _draw_cuts(pen, specimen, specimen.cut)
+        outline, bare = _draw_cuts(pen, specimen, cut)
     disc = geo.addPlaneSurface([geo.addCurveLoop(outline)])
     geo.synchronize()
     gmsh.model.mesh.embed(0, [centre], 2, disc)
@@ -220,7 +241,7 @@ def _draw_cuts(pen: "_Pen", specimen: Specimen, cut: CutPattern) -> tuple[list[i
             end_angle += 2 * math.pi
         strip_rim = pen.arcs(
             here.rim_end, following.rim_start, here.last_angle, end_angle,
-            specimen.outer_radius, specimen.mesh.size,
+            specimen.characteristic_length, specimen.mesh.size,
         )  # fmt: skip
         outline += [*here.cut_edges, *strip_rim]
     return outline, [cutout.surface for cutout in cutouts]
@@ -232,11 +253,11 @@ def _draw_cutout(pen: "_Pen", specimen: Specimen, cut: CutPattern, middle: float
     first, last = middle - cut.cutout_angle / 2, middle + cut.cutout_angle / 2
     corner_1 = pen.point(cut.inner_radius, first, corner_size)
     corner_2 = pen.point(cut.inner_radius, last, corner_size)
-    rim_1 = pen.point(specimen.outer_radius, first, size)
-    rim_2 = pen.point(specimen.outer_radius, last, size)
+    rim_1 = pen.point(specimen.characteristic_length, first, size)
+    rim_2 = pen.point(specimen.characteristic_length, last, size)
     inward, outward = pen.geo.addLine(rim_1, corner_1), pen.geo.addLine(corner_2, rim_2)
     inner_arcs = pen.arcs(corner_1, corner_2, first, last, cut.inner_radius, corner_size)
-    rim_arcs = pen.arcs(rim_1, rim_2, first, last, specimen.outer_radius, size)
+    rim_arcs = pen.arcs(rim_1, rim_2, first, last, specimen.characteristic_length, size)
     loop = [*rim_arcs, -outward, *[-arc for arc in reversed(inner_arcs)], -inward]
     surface = pen.geo.addPlaneSurface([pen.geo.addCurveLoop(loop)])
     return _Cutout(surface, [inward, *inner_arcs, outward], rim_1, rim_2, first, last)
@@ -268,10 +289,17 @@ def _triangles(gmsh: Any, surfaces: list[int]) -> NDArray[np.int64]:
 
 
 def _numbered_from_zero(
-    tags: NDArray[Any], coordinates: NDArray[Any], triangles: list[NDArray[np.int64]]
+    specimen: Specimen,
+    tags: NDArray[Any],
+    coordinates: NDArray[Any],
+    triangles: list[NDArray[np.int64]],
 ) -> PlanarMesh:
-    region = np.repeat([KIRIGAMI, BARE], [len(part) for part in triangles])
+    sets = specimen.layer_sets
+    covered = sets.index(frozenset(specimen.layer_names))
+    bare = sets.index(frozenset(layer.name for layer in specimen.layers if layer.is_whole))
+    region = np.repeat([covered, bare], [len(part) for part in triangles])
     used, renumbered = np.unique(np.concatenate(triangles), return_inverse=True)
     order = np.argsort(tags)
     rows = order[np.searchsorted(tags[order], used)]
-    return PlanarMesh(coordinates.reshape(-1, 3)[rows, :2], renumbered.reshape(-1, 3), region)
+    points = coordinates.reshape(-1, 3)[rows, :2]
+    return PlanarMesh(points, renumbered.reshape(-1, 3), region, sets)

@@ -4,7 +4,7 @@ The rms distance is taken over the nodes of the bonded interface, by their flat 
 the rigid motion that makes it least. Everything else is each result's own measure, side by side.
 """
 
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.milestones import along_milestones
 from bilayer.results.result import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.specimen.layer import Layer
 from bilayer.specimen.specimen import MeshSize, Specimen
 
 MEASURES = (
@@ -135,13 +136,23 @@ def _differences(field: str, mine: Any, other: Any) -> list[tuple[str, Any, Any]
     """Fields, by dotted name, in which two nested dataclasses differ, with their values."""
     if mine == other:
         return []
-    if type(mine) is not type(other) or not hasattr(mine, "__dataclass_fields__"):
+    parts, others = _parts(mine), _parts(other)
+    if type(mine) is not type(other) or list(parts) != list(others) or not parts:
         return [(field, mine, other)]
     return [
         difference
-        for name in mine.__dataclass_fields__
-        for difference in _differences(f"{field}.{name}", getattr(mine, name), getattr(other, name))
+        for name in parts
+        for difference in _differences(f"{field}.{name}", parts[name], others[name])
     ]
+
+
+def _parts(value: Any) -> dict[str, Any]:
+    """Return the fields of a dataclass, or several layers, by name; nothing of a plain value."""
+    if is_dataclass(value):
+        return {field.name: getattr(value, field.name) for field in fields(value)}
+    if isinstance(value, tuple) and all(isinstance(part, Layer) for part in value):
+        return {layer.name: layer for layer in value}
+    return {}
 
 
 def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:

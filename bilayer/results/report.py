@@ -10,7 +10,8 @@ from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.result import result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
-from bilayer.specimen.specimen import CutPattern, Specimen
+from bilayer.specimen.pattern import CutPattern, Pattern
+from bilayer.specimen.specimen import Specimen
 
 
 def result_table(result: xr.Dataset) -> str:
@@ -42,10 +43,11 @@ def provenance(result: xr.Dataset) -> str:
     result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
+    cuts = [layer.pattern for layer in specimen.layers if layer.pattern is not None]
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: radius {1e3 * specimen.outer_radius:g} mm, "
-        + ("uncut" if specimen.cut is None else _cut(specimen.cut)),
+        f"specimen    {specimen.name}: radius {1e3 * specimen.characteristic_length:g} mm, "
+        + ("uncut" if not cuts else _cut(cuts[0])),
         *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -131,7 +133,9 @@ def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
 
 
-def _cut(cut: CutPattern) -> str:
+def _cut(cut: Pattern) -> str:
+    if not isinstance(cut, CutPattern):
+        return cut.identity
     inner = 1e3 * cut.inner_radius
     return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
 
@@ -145,7 +149,7 @@ def _layers(specimen: Specimen) -> list[str]:
             f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
             f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
         )
-        if part.name in specimen.prestretch.layers:
+        if part.layer.is_stretched:
             line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
         lines.append(f"{line}, {'above' if part.is_above else 'below'}")
     return lines

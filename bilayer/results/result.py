@@ -255,7 +255,7 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, prestretch: float) -> ND
 
 def _coordinates(specimen: Specimen) -> dict[str, Any]:
     pairs = np.array(specimen.prestretch.milestones)
-    note = f"stretch of the {' and the '.join(specimen.prestretch.layers)} when bonded"
+    note = f"stretch of the {' and the '.join(specimen.stretched_layers)} when bonded"
     return {
         "prestretch": (
             "prestretch",

@@ -12,9 +12,14 @@ from typing import Any
 
 import tomli_w
 
-from bilayer.errors import InputError
+from bilayer.errors import InputError, fields_of
+from bilayer.specimen.layer import Layer
 from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
+from bilayer.specimen.outline import Disc
+from bilayer.specimen.pattern import CutPattern
+from bilayer.specimen.prestretch import Prestretch
+from bilayer.specimen.specimen import MeshSize, Specimen
+from bilayer.specimen.two_layers import SUBSTRATE, TwoLayers, disc_bilayer
 from bilayer.validation import nearest, one_of
 
 LAWS: dict[str, Any] = {
@@ -125,26 +130,22 @@ def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:
             raise InputError(f"{table} = {content!r}: expected a table [{table}]")
         for key in content:
             _check_known(table, key)
-    cut = data.get("cut")
     kirigami = dict(data.get("kirigami", {}))
     side = kirigami.pop("side", "above")
-    name = data.get("specimen", {}).get("name", "specimen")
-    if not isinstance(name, str):
-        raise InputError(f"specimen.name = {name!r}: expected a text")
-    return Specimen(
-        name=name,
-        outer_radius=_required(data, "specimen", "outer_radius"),
-        cut=None if cut is None else _cut(data),
+    path = data.get("prestretch", {})
+    with fields_of("specimen"):
+        disc = Disc(_required(data, "specimen", "outer_radius"))
+    return disc_bilayer(
+        name=data.get("specimen", {}).get("name", "specimen"),
+        outer_radius=disc.radius,
+        cut=_cut(data, disc) if "cut" in data else None,
         substrate=_layer("substrate", data.get("substrate", {})),
         kirigami=_layer("kirigami", kirigami),
         prestretch=Prestretch(
-            milestones=_required(data, "prestretch", "milestones"),
-            **{
-                key: data["prestretch"][key]
-                for key in ("thickness", "layers")
-                if key in data["prestretch"]
-            },
+            _required(data, "prestretch", "milestones"),
+            **{key: path[key] for key in ("thickness",) if key in path},
         ),
+        stretched=path.get("layers", [SUBSTRATE]),
         gravity=data.get("gravity", {}).get("acceleration", 0.0),
         mesh=MeshSize(**data.get("mesh", {})),
         kirigami_side=side,
@@ -156,16 +157,18 @@ def specimen_to_toml(specimen: Specimen) -> str:
 
     Materials are written by the constants that they hold, so that no digit is lost.
     """
+    bilayer, cut = TwoLayers.of(specimen, "a specimen file"), specimen.layer("kirigami").pattern
+    assert isinstance(specimen.outline, Disc)
     tables: dict[str, Any] = {
-        "specimen": {"name": specimen.name, "outer_radius": specimen.outer_radius}
+        "specimen": {"name": specimen.name, "outer_radius": specimen.outline.radius}
     }
-    if specimen.cut is not None:
-        tables["cut"] = {key: getattr(specimen.cut, key) for key in TABLES["cut"]}
-    tables["substrate"] = _layer_table(specimen.substrate)
-    tables["kirigami"] = _layer_table(specimen.kirigami) | {"side": specimen.kirigami_side}
+    if cut is not None:
+        tables["cut"] = {key: getattr(cut, key) for key in TABLES["cut"]}
+    tables["substrate"] = _layer_table(bilayer.substrate)
+    tables["kirigami"] = _layer_table(bilayer.kirigami) | {"side": bilayer.kirigami_side}
     tables["prestretch"] = {
         "milestones": [x if x == y else [x, y] for x, y in specimen.prestretch.milestones],
-        "layers": list(specimen.prestretch.layers),
+        "layers": list(bilayer.stretched),
         "thickness": specimen.prestretch.thickness,
     }
     tables["gravity"] = {"acceleration": specimen.gravity}
@@ -188,8 +191,14 @@ def _required(data: Mapping[str, Any], table: str, key: str) -> Any:
         raise InputError(f"{table}.{key}: missing, expected a value in table [{table}]") from None
 
 
-def _cut(data: Mapping[str, Any]) -> CutPattern:
-    return CutPattern(**{key: _required(data, "cut", key) for key in TABLES["cut"]})
+def _cut(data: Mapping[str, Any], outline: Disc) -> CutPattern:
+    given = {key: _required(data, "cut", key) for key in TABLES["cut"]}
+    if given["strips"] == 0:
+        raise InputError("cut.strips = 0: leave the [cut] table out for an uncut disc")
+    with fields_of("cut"):
+        cut = CutPattern(**given)
+        cut.check_fit(outline)
+    return cut
 
 
 def _layer(table: str, content: Mapping[str, Any]) -> Layer:
@@ -204,10 +213,8 @@ def _layer(table: str, content: Mapping[str, Any]) -> Layer:
                 f"{table}.{key}: not a constant of law = {law!r}, "
                 f"expected {', '.join(_LAW_KEYS[law])}"
             )
-    try:
-        return Layer(thickness, _material(law, given), content.get("density", 960.0))
-    except InputError as error:
-        raise InputError(f"{table}.{error}") from error
+    with fields_of(table):
+        return Layer(table, thickness, _material(law, given), content.get("density", 960.0))
 
 
 def _material(law: str, given: Mapping[str, Any]) -> Law:

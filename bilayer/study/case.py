@@ -58,8 +58,7 @@ class Case:
     @property
     def mesh_identity(self) -> str:
         """Hash of what the planar mesh is made from: cases of one hash share their mesh."""
-        specimen = self.specimen
-        return _hash([specimen.outer_radius, repr(specimen.cut), repr(specimen.mesh)])
+        return _hash(self.specimen.flat_identity)
 
     @cached_property
     def triangles(self) -> float:

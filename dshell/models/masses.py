@@ -24,5 +24,5 @@ def lumped_masses(
     """
     per_area = np.zeros(len(mesh.triangles))
     for part in specimen.bonded_layers(stretch):
-        per_area[mesh.faces_in(part.regions)] += part.layer.density * part.thickness
+        per_area[mesh.faces_of(part.name)] += part.layer.density * part.thickness
     return sum_at_nodes(mesh.triangles, per_area * mesh.areas / 3)

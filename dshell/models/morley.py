@@ -69,14 +69,14 @@ def specimen_layers(
         (lambda_x, lambda_y) of the prestretch.
     """
     reference = reference_height(specimen, stretch)
-    parts = [(part, mesh.faces_in(part.regions)) for part in specimen.bonded_layers(stretch)]
+    parts = [(part, mesh.faces_of(part.name)) for part in specimen.bonded_layers(stretch)]
     return [
         ShellLayer(
             part.name,
             plane_stress_law(part.layer.material),
             part.bottom - reference,
             part.top - reference,
-            np.diag(part.stretch),
+            np.array(part.stretch),
             None if len(faces) == len(mesh.triangles) else faces,
         )
         for part, faces in parts
@@ -86,5 +86,5 @@ def specimen_layers(
 
 def reference_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
     """Return the height of the shell's surface, the substrate's mid-plane, above the bond, m."""
-    substrate = specimen.bonded_layer("substrate", stretch)
-    return (substrate.bottom + substrate.top) / 2
+    carrier = specimen.bonded_layer(specimen.carrier.name, stretch)
+    return (carrier.bottom + carrier.top) / 2

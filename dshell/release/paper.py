@@ -17,6 +17,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.result import MilestoneState
 from bilayer.runtime.progress import Progress
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
 from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
@@ -187,7 +188,7 @@ def flat_start(mesh: PlanarMesh, thickness: float) -> Motion:
 
 def force_scale(specimen: Specimen, thickness: float) -> float:
     """Return the force that the tolerance is relative to, Y_s t_s R, N."""
-    return specimen.substrate.material.young_modulus * thickness * specimen.outer_radius
+    return specimen.carrier.material.young_modulus * thickness * specimen.characteristic_length
 
 
 def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
@@ -210,14 +211,15 @@ def _check_input(specimen: Specimen, start: Array | None) -> None:
             f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "
             "weight (its gravity tapers to zero), expected 0"
         )
-    if specimen.kirigami_side != "above":
+    layers = TwoLayers.of(specimen, "model = 'paper'")
+    if layers.kirigami_side != "above":
         raise InputError(
-            f"kirigami.side = {specimen.kirigami_side!r}: the paper's model has the kirigami layer "
+            f"kirigami.side = {layers.kirigami_side!r}: the paper's model has the kirigami layer "
             "above the substrate, expected 'above'"
         )
-    if specimen.prestretch.layers != ("substrate",):
+    if layers.stretched != ("substrate",) or not layers.follow_the_path:
         raise InputError(
-            f"prestretch.layers = {list(specimen.prestretch.layers)}: the paper's model stretches "
+            f"prestretch.layers = {list(layers.stretched)}: the paper's model stretches "
             "the substrate alone, expected ['substrate']"
         )
 

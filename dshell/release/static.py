@@ -111,12 +111,11 @@ class StaticRelease:
         energies = model.energies(UNSTRETCHED)
         assembly = Assembly(size, energies, held_coordinates(self._held))
         self._solver = EquilibriumSolver(assembly, linear_solver)
-        self._longest_step = settings.longest_step * specimen.outer_radius
-        layers = (specimen.substrate, specimen.kirigami)
-        stiffness = max(layer.material.young_modulus * layer.thickness for layer in layers)
-        self._round_off = ROUND_OFF * stiffness * specimen.outer_radius
+        self._longest_step = settings.longest_step * specimen.characteristic_length
+        stiffness = max(layer.material.young_modulus * layer.thickness for layer in specimen.layers)
+        self._round_off = ROUND_OFF * stiffness * specimen.characteristic_length
         self._branch = BRANCH_RULES[settings.branch](
-            self._solver, ESCAPE * specimen.substrate.thickness
+            self._solver, ESCAPE * specimen.carrier.thickness
         )
         self._iterations = self._load_steps = 0
 

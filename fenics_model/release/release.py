@@ -159,7 +159,7 @@ class Release:
             options=settings.petsc_options,
             stopwatch=self._stopwatch,
         )
-        radius, substrate = specimen.outer_radius, specimen.substrate
+        radius, substrate = specimen.characteristic_length, specimen.carrier
         self._flow = GradientFlow(
             self._newton,
             solid,

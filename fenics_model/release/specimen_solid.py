@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import BondedLayer, Layer, Specimen
+from bilayer.specimen.layer import BondedLayer, Layer
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
@@ -63,7 +64,7 @@ class BilayerSolid:
         rule = self.specimen.prestretch.thickness
         for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
             bonded = self.specimen.bonded_layer(name, stretch)
-            layer.natural.value = natural_state(bonded.stretch, rule)
+            layer.natural.value = natural_state(bonded.axial_stretch, rule)
 
 
 def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
@@ -119,7 +120,7 @@ def bilayer_solid(
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
     saddles = [
         SaddleLoad.on_plate(
-            mesh.points, mesh.triangles[mesh.faces_in(part.regions)], specimen.outer_radius
+            mesh.points, mesh.triangles[mesh.faces_of(part.name)], specimen.characteristic_length
         )
         for part in parts
     ]
@@ -130,7 +131,7 @@ def bilayer_solid(
     solid = Solid(
         layered,
         layers,
-        pressure_scale=specimen.substrate.material.shear_modulus / specimen.substrate.thickness,
+        pressure_scale=specimen.carrier.material.shear_modulus / specimen.carrier.thickness,
         quadrature_degree=settings.quadrature_degree,
     )
     return BilayerSolid(
@@ -152,7 +153,7 @@ def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
     Unstretched, they have the thickness with which they are drawn.
     """
     layers = specimen.bonded_layers(UNSTRETCHED)
-    return [part for part in layers if len(mesh.faces_in(part.regions))]
+    return [part for part in layers if len(mesh.faces_of(part.name))]
 
 
 def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
@@ -162,7 +163,7 @@ def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSett
         "kirigami": settings.kirigami_elements,
     }
     slabs = [
-        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_in(part.regions)])
+        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_of(part.name)])
         for part in parts
     ]
     return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))

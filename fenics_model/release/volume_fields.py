@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.specimen.specimen import LAYERS
+from bilayer.specimen.two_layers import LAYERS
 from fenics_model.mesh.volume_mesh import VolumeMesh
 
 

@@ -229,7 +229,7 @@ def refined(
 
 def energies() -> Iterator[Check]:
     specimen, stretch = paper_specimen(), (1.2, 1.1)
-    mesh = generate_mesh(bilayers.ladder_disc(specimen.cut, 0.01))
+    mesh = generate_mesh(bilayers.ladder_disc(specimen.layer("kirigami").pattern, 0.01))
     linear, quadratic = (MorleySettings(profile=name) for name in ("linear", "quadratic"))
     models = {
         "morley, linear": MorleyModel(specimen, mesh, linear),

@@ -19,8 +19,8 @@ def test_edges_rim_and_areas_of_a_square():
     assert mesh.boundary_edges.tolist() == [[0, 1], [0, 3], [1, 2], [2, 3]]
     assert mesh.rim_nodes.tolist() == [0, 1, 2, 3]
     assert mesh.areas.tolist() == [0.5, 0.5]
-    assert mesh.faces_in([1]).tolist() == [0]
-    assert mesh.faces_in([0, 1]).tolist() == [0, 1]
+    assert mesh.faces_of("kirigami").tolist() == [0]
+    assert mesh.faces_of("substrate").tolist() == [0, 1]
     assert mesh.centre_node == 0
 
 

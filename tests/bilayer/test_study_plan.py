@@ -24,7 +24,8 @@ def test_the_product_of_lists_and_ranges(plan):
         '"cut.cutout_angle" = { start = 0.1, stop = 0.3, num = 3 }'
     )
     assert study.fields == ("cut.strips", "cut.cutout_angle")
-    found = [(c.specimen.cut.strips, c.specimen.cut.cutout_angle) for c in study.cases]
+    cuts = [c.specimen.layer("kirigami").pattern for c in study.cases]
+    found = [(cut.strips, cut.cutout_angle) for cut in cuts]
     assert found == [(n, angle) for n in (3, 4) for angle in (0.1, 0.2, 0.3)]
     assert {c.model for c in study.cases} == {"morley"}
 
@@ -66,7 +67,10 @@ def test_zipped_prestretches_are_a_path_where_all_else_is_equal(plan):
     study = plan(
         HEAD + '[zip]\n"prestretch.milestones" = [1.03, 1.06, 1.09]\n"cut.strips" = [4, 4, 5]'
     )
-    found = [(c.specimen.cut.strips, c.specimen.prestretch.nominal) for c in study.cases]
+    found = [
+        (c.specimen.layer("kirigami").pattern.strips, c.specimen.prestretch.nominal)
+        for c in study.cases
+    ]
     assert found == [(4, [1.03, 1.06]), (5, [1.09])]
 
 

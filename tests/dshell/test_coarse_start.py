@@ -84,7 +84,7 @@ def test_a_mesh_turned_into_itself_has_the_same_cut(fine_specimen, fine_mesh, an
 
 def test_a_mesh_with_another_cut_starts_from_flat(fine_specimen, fine_mesh):
     """Its coarse mesh would have the specimen's cut, and so another shape."""
-    uncut = replace(fine_specimen, cut=None)
+    uncut = fine_specimen.with_layer("kirigami", pattern=None)
     assert coarse_mesh(fine_specimen, turned(fine_mesh, np.pi / 5), COARSE) is None
     assert coarse_mesh(uncut, fine_mesh, COARSE) is None
     result = solve(uncut, "dshell", MorleySettings(coarse_triangles=COARSE), mesh=fine_mesh)

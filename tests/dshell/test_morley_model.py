@@ -100,7 +100,7 @@ def test_a_weighted_dome_does_not_care_how_its_mesh_is_turned(coarse_specimen):
     first, second = (
         solve(specimen, "dshell", mesh=each).position.values[0] for each in (mesh, turned)
     )
-    assert rms_distance(first, second, np.ones(len(first))) < 0.005 * specimen.outer_radius
+    assert rms_distance(first, second, np.ones(len(first))) < 0.005 * specimen.characteristic_length
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bilayer import InputError, PlanarMesh, solve
-from bilayer.mesh.planar import KIRIGAMI
+from bilayer.specimen.two_layers import KIRIGAMI
 from dshell import PaperSettings
 from dshell.models.masses import lumped_masses
 from dshell.models.paper_rest_state import rest_state

@@ -61,7 +61,7 @@ def test_without_a_shape_up_to_the_first_milestone_the_nearest_stands_in(shell, 
 @needs_dolfinx
 def test_the_shell_leads_to_what_load_stepping_finds(shell, stepped, mesh):
     led = solve(COARSE.with_milestones([1.03, 1.06]), "fenics", mesh=mesh)
-    radius = COARSE.outer_radius
+    radius = COARSE.characteristic_length
     assert led["position"].values == pytest.approx(stepped["position"].values, abs=1e-8 * radius)
     assert led["unstable_modes"].values.tolist() == stepped["unstable_modes"].values.tolist()
     assert led["guided_steps"].values.tolist() == led["load_steps"].values.tolist() == [1, 1]

@@ -12,7 +12,6 @@ from verification.symmetry import asymmetry
 from bilayer import (
     ComputationError,
     InputError,
-    Layer,
     LinearElastic,
     MeshSize,
     generate_mesh,
@@ -140,10 +139,8 @@ def test_milestones_do_not_depend_on_path_or_imperfection(released, mesh):
 @needs_dolfinx
 def test_the_two_ways_to_draw_the_substrate_agree(released, mesh):
     """A mesh of the bonded thickness of one prestretch has that prestretch's solution."""
-    constant = replace(
-        COARSE.with_milestones([1.04]),
-        substrate=replace(COARSE.substrate, thickness=COARSE.substrate.thickness / 1.04**2),
-    )
+    bonded = COARSE.layer("substrate").thickness / 1.04**2
+    constant = COARSE.with_milestones([1.04]).with_layer("substrate", thickness=bonded)
     constant = replace(constant, prestretch=replace(constant.prestretch, thickness="constant"))
     drawn_bonded = solve(constant, mesh=mesh)
     assert drawn_bonded["position"].values[0] == pytest.approx(
@@ -196,9 +193,9 @@ def test_linear_law_and_uncut_disc(mesh):
     """At a small prestretch the linear law bends as the hyperelastic ones."""
 
     def radius(law):
-        layers = {name: Layer(1e-3, law(modulus)) for name, modulus in
-                  (("substrate", 116250.0), ("kirigami", 368988.0))}  # fmt: skip
-        specimen = replace(COARSE, cut=None, **layers).with_milestones([1.005])
+        specimen = COARSE.with_milestones([1.005]).with_layer("kirigami", pattern=None)
+        for name, modulus in (("substrate", 116250.0), ("kirigami", 368988.0)):
+            specimen = specimen.with_layer(name, material=law(modulus))
         return float(
             solve(specimen, mesh=replace(mesh, region=np.ones_like(mesh.region)))["sphere_radius"][
                 0
