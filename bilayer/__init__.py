@@ -29,7 +29,17 @@ if TYPE_CHECKING:
     from bilayer.results.result import open_result, result_mesh, result_specimen, write_result
     from bilayer.runtime.version import __version__
     from bilayer.solvers.registry import solve
-    from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
+    from bilayer.specimen.materials import (
+        ArrudaBoyce,
+        Gent,
+        Hyperelastic,
+        LinearElastic,
+        MooneyRivlin,
+        NeoHookean,
+        Ogden,
+        Yeoh,
+        register_law,
+    )
     from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
     from bilayer.specimen.toml import (
         paper_specimen,
@@ -61,7 +71,17 @@ _MODULES = {
     "bilayer.results.result": ("open_result", "result_mesh", "result_specimen", "write_result"),
     "bilayer.runtime.version": ("__version__",),
     "bilayer.solvers.registry": ("solve",),
-    "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
+    "bilayer.specimen.materials": (
+        "ArrudaBoyce",
+        "Gent",
+        "Hyperelastic",
+        "LinearElastic",
+        "MooneyRivlin",
+        "NeoHookean",
+        "Ogden",
+        "Yeoh",
+        "register_law",
+    ),
     "bilayer.specimen.specimen": ("CutPattern", "Layer", "MeshSize", "Prestretch", "Specimen"),
     "bilayer.specimen.toml": (
         "paper_specimen",

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from bilayer.errors import InputError
-from bilayer.specimen.material import Law
+from bilayer.specimen.materials import Law
 from bilayer.validation import not_negative, one_of, positive, whole
 
 LAYERS = ("substrate", "kirigami")

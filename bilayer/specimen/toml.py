@@ -13,23 +13,12 @@ from typing import Any
 import tomli_w
 
 from bilayer.errors import InputError
-from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
-from bilayer.validation import nearest, one_of
+from bilayer.specimen.materials import law_from_table, law_keys, law_to_table
+from bilayer.specimen.specimen import LAYERS, CutPattern, Layer, MeshSize, Prestretch, Specimen
+from bilayer.validation import nearest
 
-LAWS: dict[str, Any] = {
-    "mooney-rivlin": MooneyRivlin,
-    "neo-hookean": NeoHookean,
-    "linear": LinearElastic,
-}
-_MODULI = ("young_modulus", "poisson_ratio", "c01_over_c10")
-_CONSTANTS = ("c10", "c01", "d1")
-_LAYER = ("thickness", "law", *_MODULI, *_CONSTANTS, "density")
-_LAW_KEYS = {
-    "mooney-rivlin": (*_MODULI, *_CONSTANTS),
-    "neo-hookean": ("young_modulus", "poisson_ratio", "c10", "d1"),
-    "linear": ("young_modulus", "poisson_ratio"),
-}
+_LAYER = ("thickness", "density")
+"""Keys of a layer besides those of its law."""
 TABLES: dict[str, tuple[str, ...]] = {
     "specimen": ("name", "outer_radius"),
     "cut": ("strips", "inner_radius", "cutout_angle"),
@@ -176,9 +165,10 @@ def specimen_to_toml(specimen: Specimen) -> str:
 def _check_known(table: str, key: str) -> None:
     if table not in TABLES:
         raise InputError(f"{table}.{key}: unknown table {table!r}{nearest(table, TABLES)}")
-    if key not in TABLES[table]:
-        expected = f"expected one of {', '.join(TABLES[table])}"
-        raise InputError(f"{table}.{key}: unknown key, {expected}{nearest(key, TABLES[table])}")
+    known = (*TABLES[table], *(law_keys() if table in LAYERS else ()))
+    if key not in known:
+        expected = f"expected one of {', '.join(known)}"
+        raise InputError(f"{table}.{key}: unknown key, {expected}{nearest(key, known)}")
 
 
 def _required(data: Mapping[str, Any], table: str, key: str) -> Any:
@@ -194,51 +184,17 @@ def _cut(data: Mapping[str, Any]) -> CutPattern:
 
 def _layer(table: str, content: Mapping[str, Any]) -> Layer:
     thickness = _required({table: content}, table, "thickness")
-    law = one_of(f"{table}.law", content.get("law", "mooney-rivlin"), LAWS)
-    given = {
-        key: value for key, value in content.items() if key not in ("thickness", "law", "density")
-    }
-    for key in given:
-        if key not in _LAW_KEYS[law]:
-            raise InputError(
-                f"{table}.{key}: not a constant of law = {law!r}, "
-                f"expected {', '.join(_LAW_KEYS[law])}"
-            )
+    law = {key: value for key, value in content.items() if key not in _LAYER}
+    material = law_from_table(law, table)
     try:
-        return Layer(thickness, _material(law, given), content.get("density", 960.0))
+        return Layer(thickness, material, content.get("density", 960.0))
     except InputError as error:
         raise InputError(f"{table}.{error}") from error
 
 
-def _material(law: str, given: Mapping[str, Any]) -> Law:
-    by_constants = [key for key in given if key in _CONSTANTS]
-    by_moduli = [key for key in given if key in _MODULI]
-    if by_constants and by_moduli:
-        raise InputError(
-            f"{by_constants[0]}: given together with {by_moduli[0]}, expected either "
-            f"{', '.join(_CONSTANTS)} or {', '.join(_MODULI)}"
-        )
-    if by_constants:
-        needed = [key for key in _CONSTANTS if key in _LAW_KEYS[law]]
-        _check_complete(given, needed)
-        return LAWS[law](**given)
-    _check_complete(given, ["young_modulus", "poisson_ratio"])
-    return LAWS[law](**given) if law == "linear" else LAWS[law].from_moduli(**given)
-
-
-def _check_complete(given: Mapping[str, Any], needed: list[str]) -> None:
-    for key in needed:
-        if key not in given:
-            raise InputError(f"{key}: missing, expected {' and '.join(needed)}")
-
-
 def _layer_table(layer: Layer) -> dict[str, Any]:
-    law = next(name for name, kind in LAWS.items() if type(layer.material) is kind)
-    constants = vars(layer.material)
-    keys = _LAW_KEYS[law] if law == "linear" else [k for k in _CONSTANTS if k in _LAW_KEYS[law]]
     return {
         "thickness": layer.thickness,
-        "law": law,
-        **{key: constants[key] for key in keys},
+        **law_to_table(layer.material),
         "density": layer.density,
     }
