@@ -30,7 +30,17 @@ if TYPE_CHECKING:
     from bilayer.runtime.version import __version__
     from bilayer.solvers.registry import solve
     from bilayer.specimen.layer import BondedLayer, Layer, Response
-    from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
+    from bilayer.specimen.materials import (
+        ArrudaBoyce,
+        Gent,
+        Hyperelastic,
+        LinearElastic,
+        MooneyRivlin,
+        NeoHookean,
+        Ogden,
+        Yeoh,
+        register_law,
+    )
     from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
     from bilayer.specimen.pattern import Cross, CutPattern, Polygons, SectorProfile
     from bilayer.specimen.prestretch import Prestretch
@@ -66,7 +76,17 @@ _MODULES = {
     "bilayer.results.result": ("open_result", "result_mesh", "result_specimen", "write_result"),
     "bilayer.runtime.version": ("__version__",),
     "bilayer.solvers.registry": ("solve",),
-    "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
+    "bilayer.specimen.materials": (
+        "ArrudaBoyce",
+        "Gent",
+        "Hyperelastic",
+        "LinearElastic",
+        "MooneyRivlin",
+        "NeoHookean",
+        "Ogden",
+        "Yeoh",
+        "register_law",
+    ),
     "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
     "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
     "bilayer.specimen.pattern": ("Cross", "CutPattern", "Polygons", "SectorProfile"),

@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from bilayer import LinearElastic, MeshSize, MooneyRivlin, NeoHookean, open_result, paper_specimen
 from bilayer.errors import ComputationError
-from bilayer.specimen.material import Law
+from bilayer.specimen.materials import Law
 from bilayer.specimen.toml import specimen_to_toml
 from verification.solid_problem import newton_of, rectangle, solid_of, stacked
 
