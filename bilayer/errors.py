@@ -29,8 +29,10 @@ class Interrupted(KeyboardInterrupt):
     ----------
     result : Dataset
         With those milestones; its `stop_reason` says that it was interrupted.
+    output : path-like or None
+        The file that has them, too.
     """
 
-    def __init__(self, result: Any) -> None:
+    def __init__(self, result: Any, output: Any = None) -> None:
         super().__init__("interrupted")
-        self.result = result
+        self.result, self.output = result, output

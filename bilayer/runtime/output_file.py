@@ -1,7 +1,9 @@
 """A file that appears whole or not at all: written in a folder beside it, then moved."""
 
 import errno
+import glob
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -67,6 +69,14 @@ def _check_room(folder: Path, size: int) -> None:
     if size > 0:
         with tempfile.TemporaryFile(dir=folder) as trial:
             os.posix_fallocate(trial.fileno(), 0, size)
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Remove what a process that was killed while it wrote a file has left beside it."""
+    target = Path(path)
+    for folder in target.parent.glob(f".{glob.escape(target.stem[:NAME_SHOWN])}.????????"):
+        if folder.is_dir() and all(part.stem == target.stem for part in folder.iterdir()):
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def check_writable(path: Path) -> None:

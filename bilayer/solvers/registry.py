@@ -16,6 +16,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.files import write_result
 from bilayer.results.starting import with_waypoints
 from bilayer.runtime.progress import Progress
+from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
 from bilayer.solvers.path import Observer
 from bilayer.solvers.run import follow_with, solve_with
@@ -31,7 +32,8 @@ STARTS = ("shell", "flat")
 
 def solver_named(name: str) -> Solver:
     """Return a solver; raise InputError if the name is unknown."""
-    package = import_module(SOLVERS[one_of("solver", name, SOLVERS)])
+    with signals_put_off():  # compiled modules may turn Ctrl-C into another error
+        package = import_module(SOLVERS[one_of("solver", name, SOLVERS)])
     if hasattr(package, "SOLVER"):
         solver: Solver = package.SOLVER
         return solver
