@@ -18,6 +18,10 @@ class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
 
 
+class NotWrittenError(ComputationError):
+    """A file could not be written, for example on a full disk."""
+
+
 class Terminated(KeyboardInterrupt):
     """SIGTERM, where it is taken as Ctrl-C."""
 

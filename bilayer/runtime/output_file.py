@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import InputError, NotWrittenError
 
 HDF5_ROOM = 2**16
 """Bytes that an HDF5 file may take beside its data, uncompressed."""
@@ -38,7 +38,7 @@ def whole_file(path: str | Path, what: str, room: int = 0) -> Iterator[Path]:
     ------
     InputError
         The folder does not exist or cannot be written.
-    ComputationError
+    NotWrittenError
         Writing failed, for example on a full disk. Any other error of the block passes as it is.
     """
     target = Path(path)
@@ -55,7 +55,7 @@ def whole_file(path: str | Path, what: str, room: int = 0) -> Iterator[Path]:
     except OSError as error:
         if not _is_of_writing(error, folder):
             raise
-        raise ComputationError(f"{what} {target}: cannot be written ({error})") from error
+        raise NotWrittenError(f"{what} {target}: cannot be written ({error})") from error
 
 
 def _is_of_writing(error: OSError, folder: str) -> bool:

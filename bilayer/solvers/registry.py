@@ -16,6 +16,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.files import write_result
 from bilayer.results.starting import with_waypoints
 from bilayer.runtime.progress import Progress
+from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
 from bilayer.solvers.path import Observer
@@ -111,7 +112,7 @@ def solve(
             asked, settings, mesh=mesh, start=_start_of(asked, chosen, start), comm=comm,
             progress=progress,
         )  # fmt: skip
-        if output is not None:
+        if output is not None and (comm is None or comm.Get_rank() == 0) and is_first_rank():
             write_result(found, output)
         return found
     return solve_with(
