@@ -57,7 +57,7 @@ def solve(
     Returns
     -------
     Dataset
-        See `bilayer.results.result`; with the volume mesh and its positions as further variables.
+        See `bilayer.results.schema`; with the volume mesh and its positions as further variables.
 
     Raises
     ------

@@ -12,9 +12,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.milestones import along_milestones
-from bilayer.results.result import SAME_STRETCH, starting_shape
+from bilayer.results.schema import SAME_STRETCH, result_mesh
+from bilayer.results.table import stretches
 from bilayer.specimen.specimen import Specimen
 
 LONGEST_WAY = 0.06
@@ -47,6 +49,37 @@ class ShapeOnTheWay:
     shape: NDArray[np.float64]
 
 
+def starting_shape(start: xr.Dataset, mesh: PlanarMesh, stretch: Stretch) -> NDArray[np.float64]:
+    """Return the shape of a result at its milestone nearest to a prestretch.
+
+    Nearest in the larger stretch, then in both; the first of those that are as near.
+
+    Returns
+    -------
+    (n, 3) array of float
+        The reference surface, m.
+
+    Raises
+    ------
+    InputError
+        The result is on another planar mesh, or reached no milestone.
+    """
+    if not result_mesh(start).same_as(mesh):
+        raise InputError(
+            f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of its own"
+            f", expected a result on the planar mesh of this run ({len(mesh.points)} nodes)"
+        )
+    reached = np.flatnonzero(start["converged"].values == 1)
+    if len(reached) == 0:
+        raise InputError("start: has no converged milestone, expected at least one")
+    pairs = stretches(start)[reached]
+    nominal = np.abs(pairs.max(axis=1) - max(stretch))
+    both = np.abs(pairs - stretch).max(axis=1)
+    nearest = reached[np.lexsort((both, nominal))[0]]
+    shape: NDArray[np.float64] = start["position"].values[nearest]
+    return shape
+
+
 def with_waypoints(specimen: Specimen) -> Specimen:
     """Return the specimen with milestones added where two are far apart in prestretch."""
     milestones: list[Stretch] = []
@@ -71,20 +104,38 @@ def shapes_on_the_way(
         The start is on another planar mesh, or reached no milestone.
     """
     start = along_milestones(start)
-    nearest = starting_shape(start, mesh, max(milestones[0]))
+    nearest = starting_shape(start, mesh, milestones[0])
     done = start["converged"].values == 1
-    pairs = np.column_stack([start["prestretch_x"].values, start["prestretch_y"].values])[done]
-    positions = start["position"].values[done]
-    found = []
+    pairs, positions = stretches(start)[done], start["position"].values[done]
+    found: list[ShapeOnTheWay] = []
+    passed = 0
     for milestone, (begin, end) in enumerate(_ways(milestones)):
-        shares = [_share(begin, end, pair) for pair in pairs]
+        rows = _rows_on_way(pairs, begin, end, passed)
         found += [
-            ShapeOnTheWay(milestone, (1 - share) * _length(begin, end), positions[k])
-            for share, k in sorted((share, k) for k, share in enumerate(shares) if share)
+            ShapeOnTheWay(milestone, (1 - share) * _length(begin, end), positions[row])
+            for share, row in rows
         ]
+        if rows and rows[-1][0] == 1:
+            passed = rows[-1][1]
     if not found or found[0].milestone > 0:
         found.insert(0, ShapeOnTheWay(0, 0.0, nearest))
     return found
+
+
+def _rows_on_way(
+    pairs: NDArray[np.float64], begin: Stretch, end: Stretch, passed: int
+) -> list[tuple[float, int]]:
+    """Return the share of the way and the row of each prestretch that lies on it, ascending.
+
+    Of rows with the same prestretch, as in a result that goes up and down again, the first that is
+    not before the row `passed`, at which the way begins; else the first of all.
+    """
+    taken: dict[float, int] = {}
+    for row in [*range(passed, len(pairs)), *range(passed)]:
+        share = _share(begin, end, pairs[row])
+        if share and not any(abs(share - other) < SAME_STRETCH for other in taken):
+            taken[share] = row
+    return sorted(taken.items())
 
 
 def began(start: xr.Dataset | None) -> str:

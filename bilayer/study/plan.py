@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.solvers.registry import SOLVERS, settings_kind, solver_package
+from bilayer.solvers.registry import SOLVERS, settings_kind, solver_named
 from bilayer.specimen.settings import settings_from
 from bilayer.specimen.toml import parse_specimen_file
 from bilayer.study.case import Case
@@ -209,7 +209,7 @@ def _case(
     if milestones:
         overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
     specimen = parse_specimen_file(specimen_text, overrides, source="the study's specimen")
-    model = chosen.pop("model", next(iter(solver_package(solver).MODELS)))
+    model = chosen.pop("model", next(iter(solver_named(solver).models)))
     kind: Any = settings_kind(solver, model)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)
 

@@ -6,7 +6,7 @@ minimal in the displacements, maximal in the pressures); every further one is an
 
 from petsc4py import PETSc
 
-from bilayer.results.result import UNKNOWN_STABILITY
+from bilayer.results.schema import UNKNOWN_STABILITY
 from fenics_model.solve.newton import Newton
 
 _NEGATIVE_PIVOTS = 12  # MUMPS' INFOG(12) for symmetric matrices

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
-from bilayer.results.result import UNKNOWN_STABILITY
+from bilayer.results.schema import UNKNOWN_STABILITY
 from fenics_model.branches.branch_search import BranchSearch, Departure
 from fenics_model.path.guide import Guide
 from fenics_model.path.step_control import StepControl

@@ -19,7 +19,8 @@ from bilayer.errors import INTERRUPTED, BilayerError, Interrupted
 from bilayer.geometry.alignment import placed
 from bilayer.mesh.generation import mesh_within_memory
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.result import UNKNOWN_STABILITY, MilestoneState, build_result
+from bilayer.results.assembly import Provenance, build_result
+from bilayer.results.schema import UNKNOWN_STABILITY, MilestoneState
 from bilayer.results.starting import ShapeOnTheWay, began, described, shapes_on_the_way
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
@@ -88,10 +89,7 @@ def release(
         specimen,
         planar,
         states,
-        solver="fenics",
-        model=next(iter(MODELS)),
-        settings=settings,
-        versions=versions(),
+        Provenance.found("fenics", next(iter(MODELS)), settings, versions()),
         stop_reason=stop_reason,
         extra=volume_dataset(body.solid.mesh.volume, body.layer_names, positions, milestones)
         .merge(effort_dataset(efforts, works, milestones))
