@@ -24,15 +24,9 @@ from bilayer.results.starting import ShapeOnTheWay, began, described, shapes_on_
 from bilayer.runtime.progress import Progress
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import support
-from fenics_model.branches.branch_search import BranchSearch, Departure
-from fenics_model.branches.gradient_flow import GradientFlow
-from fenics_model.path.continuation import (
-    Equilibrium,
-    PathError,
-    Tolerances,
-    follow,
-    reference_residual,
-)
+from fenics_model.branches.branch_search import BranchSearch, Departure, SearchRule
+from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
+from fenics_model.path.continuation import Continuation, Equilibrium, PathError, Tolerances
 from fenics_model.path.guide import Guide
 from fenics_model.path.shell_start import Extrusion, settle
 from fenics_model.path.step_control import StepControl
@@ -147,9 +141,7 @@ class Release:
         self._absent = solid.absent_pressures()
         self._stopwatch = Stopwatch()
         self._newton = Newton(
-            solid.residual,
-            solid.tangent,
-            solid.state,
+            solid,
             [*self._absent, *solid.held_points(held_points(self._held, solid.mesh.volume))],
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
@@ -158,22 +150,22 @@ class Release:
         radius, substrate = specimen.outer_radius, specimen.substrate
         self._flow = GradientFlow(
             self._newton,
-            solid,
             first_viscosity=substrate.material.shear_modulus * substrate.thickness / radius**3,
-            step_limit=settings.flow_steps,
+            rule=FlowRule(step_limit=settings.flow_steps),
         )
         self._search = BranchSearch(
             self._newton,
             self._flow,
-            solid,
             first_distance=FIRST_DISTANCE * substrate.thickness,
             side=uneven_lift(body, radius),
-            choice=settings.branch,
+            rule=SearchRule(choice=settings.branch),
         )
         body.prestretch(REFERENCE_STRETCH)
         self._guide = self._guide_along(shapes)
         self._tolerances = Tolerances(
-            settings.tolerance, settings.path_tolerance, reference_residual(self._newton)
+            settings.tolerance,
+            settings.path_tolerance,
+            self._newton.residual_norm(solid.undeformed),
         )
         self.states: list[MilestoneState] = []
         self.positions: list[NDArray[np.float64]] = []
@@ -181,13 +173,13 @@ class Release:
         self.works: list[Work] = []
         self.departures: list[Departure | None] = []
         self._tally = _Tally()
+        self._last = solid.undeformed
 
     def _guide_along(self, shapes: Sequence[ShapeOnTheWay]) -> Guide:
         solid, ends = self._body.solid, self._body.path.milestones
-        return Guide(
+        guide = Guide(
             self._newton,
-            solid,
-            Extrusion(solid, self._mesh),
+            Extrusion(solid, self._mesh).extrude,
             partial(
                 settle,
                 solid,
@@ -195,13 +187,16 @@ class Release:
                 options=self._settings.petsc_options,
                 stopwatch=self._stopwatch,
             ),
+        )
+        guide.lead_along(
             {
                 ends[found.milestone] - found.remaining: placed(
                     found.shape, self._mesh.points, self._held
                 )
                 for found in shapes
-            },
+            }
         )
+        return guide
 
     def follow(self) -> str:
         """Follow the path through the milestones; return why it stopped, if it did."""
@@ -212,18 +207,19 @@ class Release:
             settings.largest_step,
             settings.target_iterations,
         )
-        equilibria = follow(
+        continuation = Continuation(
             self._newton,
             self._search,
             self._body.load,
-            path.milestones,
             control,
             self._tolerances,
-            self._guide,
+            guide=self._guide,
         )
         try:
-            for equilibrium in equilibria:
-                self._note(equilibrium)
+            for milestone, goal in enumerate(path.milestones):
+                for equilibrium in continuation.approach(goal):
+                    self._last = equilibrium.state
+                    self._note(equilibrium, milestone)
         except PathError as stopped:
             return self._note_failure(stopped)
         except KeyboardInterrupt:
@@ -231,7 +227,7 @@ class Release:
                 raise
             return INTERRUPTED
         finally:
-            self._newton.destroy()
+            self._newton.close()
         return ""
 
     def shapes_left(self) -> list[str]:
@@ -241,18 +237,18 @@ class Release:
             for parameter, reason in self._guide.left
         ]
 
-    def _note(self, equilibrium: Equilibrium) -> None:
+    def _note(self, equilibrium: Equilibrium, milestone: int) -> None:
         self._tally.add(equilibrium)
         self._report(equilibrium.parameter)
-        if equilibrium.milestone is None:
+        if not equilibrium.is_goal:
             return
         self.departures.append(equilibrium.departure)
         solid = self._body.solid
-        self.positions.append(solid.mesh.volume.points + solid.vertex_displacements())
+        self.positions.append(solid.vertex_positions(self._last))
         self.states.append(
             self._state(
                 converged=True,
-                reached=self._nominal[equilibrium.milestone],
+                reached=self._nominal[milestone],
                 residual=equilibrium.residual,
                 unstable=equilibrium.unstable_modes,
             )
@@ -281,13 +277,13 @@ class Release:
     ) -> MilestoneState:
         solid = self._body.solid
         volume = solid.mesh.volume
-        position = (volume.points + solid.vertex_displacements())[volume.interface]
+        position = solid.vertex_positions(self._last)[volume.interface]
         return MilestoneState(
             position,
             converged,
             reached,
             energy={
-                name: solid.layer_energy(layer) for layer, name in enumerate(self._body.layer_names)
+                name: solid.layer_energy(layer, self._last) for layer, name in enumerate(self._body.layer_names)
             },
             iterations=self._tally.effort.iterations,
             load_steps=self._tally.load_steps,

@@ -90,9 +90,7 @@ def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
         waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
         return np.stack([0 * x[0], 0 * x[0], waves])
 
-    change = fem.Function(body.solid.space)
-    change.sub(0).interpolate(lift)
-    return np.asarray(change.x.array)
+    return body.solid.interpolate(lift).values
 
 
 def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
