@@ -4,6 +4,7 @@ If no step leads on (a limit point, a sharp bifurcation) the load goes on and th
 next stable equilibrium. A goal that turns out unstable is left for a stable branch.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -21,40 +22,22 @@ from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
 
-class PathError(ComputationError):
-    """The load path cannot be followed further.
-
-    Parameters
-    ----------
-    reason : str
-        Why, in a few words.
-    parameter : float
-        Of the last equilibrium.
-    effort : Effort
-        Of the failed attempts.
-    """
-
-    def __init__(self, reason: str, parameter: float, effort: Effort) -> None:
-        super().__init__(reason)
-        self.parameter, self.effort = parameter, effort
-
-
 @dataclass(frozen=True, eq=False)
-class Equilibrium:
-    """A converged state on the path.
+class LoadPoint:
+    """A state on the path, and how the path came to it.
 
     Parameters
     ----------
     parameter : float
         Where on the path.
+    share : float
+        Part of the way from the last goal to the next; 1 at the goal alone.
     state : State
         The state itself.
-    is_goal : bool
-        Whether it was asked for, or lies on the way.
     effort : Effort
-        What it took since the equilibrium before, failed attempts included.
+        The work since the equilibrium before, failed attempts included.
     residual : float
-        Relative to the reference.
+        Relative to the reference; NaN where the path stopped.
     unstable_modes : int
         Of a goal; -1 if it is not known.
     departure : Departure or None
@@ -62,8 +45,8 @@ class Equilibrium:
     """
 
     parameter: float
+    share: float
     state: State
-    is_goal: bool
     effort: Effort
     residual: float
     unstable_modes: int = UNKNOWN_STABILITY
@@ -78,13 +61,13 @@ class Tolerances:
     own is zero, has one.
     """
 
-    milestone: float
+    goal: float
     path: float
     least_reference: float
 
 
 class Continuation:
-    """Follows a branch of equilibria of a body along a load parameter that grows.
+    """Follows a branch of equilibria of a body along a load parameter, from goal to goal.
 
     Parameters
     ----------
@@ -100,10 +83,15 @@ class Continuation:
         When a state counts as equilibrium.
     guide : Guide, optional
         Leads straight to where it knows a shape.
-    start : State, optional
-        The equilibrium at the parameter 0; undeformed if left out.
     failures_before_flow : int
         Failed attempts at a load step after which the body flows instead (and after as many again).
+
+    Attributes
+    ----------
+    predictor : Predictor
+        Knows the last equilibria; at first the undeformed state at the parameter 0.
+    control : StepControl
+        The next step.
     """
 
     def __init__(
@@ -115,44 +103,56 @@ class Continuation:
         tolerances: Tolerances,
         *,
         guide: Guide | None = None,
-        start: State | None = None,
         failures_before_flow: int = 3,
     ) -> None:
         self._newton, self._search, self._load = newton, search, load
-        self._first, self._control = control, control
+        self._first, self.control = control, control
         self._tolerances, self._guide = tolerances, guide
         self._failures_before_flow = failures_before_flow
-        begin = newton.solid.undeformed if start is None else start
-        self._predictor = Predictor([(0.0, begin)])
+        self.predictor = Predictor([(0.0, newton.solid.undeformed)])
+        self._begin, self._goal = 0.0, 0.0
         self._effort = Effort()
 
     @property
     def parameter(self) -> float:
         """Of the last equilibrium."""
-        return self._predictor.parameter
+        return self.predictor.parameter
 
-    @property
-    def state(self) -> State:
-        """The last equilibrium."""
-        return self._predictor.last
+    def approach(self, goal: float) -> Iterator[LoadPoint]:
+        """Follow the equilibria from the last one to a parameter.
 
-    def approach(self, goal: float) -> Iterator[Equilibrium]:
-        """Follow the equilibria from the last one to a parameter; the last one is the goal.
+        Yields
+        ------
+        LoadPoint
+            Each one on the way; the last is at the goal.
 
         Raises
         ------
-        PathError
+        ComputationError
             A step failed even at the smallest size.
         """
-        while True:
-            equilibrium = self._advance(goal)
-            if equilibrium is None:
-                continue
-            yield equilibrium
-            if equilibrium.is_goal:
-                return
+        self._begin, self._goal = self.parameter, goal
+        if self.control.is_exhausted:  # on the way to another goal
+            self.control = self._first
+        self._newton.stopwatch.restart()
+        point = None
+        while point is None or point.share < 1:
+            point = self._advance(goal)
+            if point is not None:
+                yield replace(point, effort=self._take_effort(load_steps=1))
+                self._newton.stopwatch.restart()
 
-    def _advance(self, goal: float) -> Equilibrium | None:
+    def stopped(self) -> LoadPoint:
+        """Return the last equilibrium, with the work done in vain since then."""
+        self._load(self.parameter)
+        share = self._share(self.parameter)
+        effort = self._take_effort(load_steps=0)
+        return LoadPoint(self.parameter, share, self.predictor.last, effort, math.nan)
+
+    def _share(self, parameter: float) -> float:
+        return (parameter - self._begin) / (self._goal - self._begin or 1.0)
+
+    def _advance(self, goal: float) -> LoadPoint | None:
         """Attempt one step; None if it failed and a smaller one is due."""
         guided = None if self._guide is None else self._guide.propose_step(self.parameter, goal)
         there = self._next_step(goal) if guided is None else guided
@@ -160,52 +160,53 @@ class Continuation:
         undeformed = self._newton.residual_norm(self._newton.solid.undeformed)
         reference = max(undeformed, self._tolerances.least_reference)
         at_goal = there == goal
-        share = self._tolerances.milestone if at_goal else self._tolerances.path
+        accepted = reference * (self._tolerances.goal if at_goal else self._tolerances.path)
         take_step = self._take_load_step if guided is None else self._follow_guide
-        outcome = take_step(there, share * reference, reference)
+        outcome = take_step(there, accepted, reference)
         if not outcome.converged:
             self._stop_if_stuck(there, outcome)
             return None
-        found = Equilibrium(there, outcome.state, at_goal, Effort(), outcome.residual / reference)
+        share = 1.0 if at_goal else self._share(there)
+        found = LoadPoint(there, share, outcome.state, Effort(), outcome.residual / reference)
         if at_goal:
-            stable = self._make_stable(found, share * reference, reference, guided is not None)
+            stable = self._make_stable(found, accepted, reference, guided is not None)
             if stable is None:
                 return None
             found = stable
         self._learn(found)
-        return replace(found, effort=self._take_effort())
+        return found
 
     def _next_step(self, goal: float) -> float:
         """Return the parameter of the next load step, by the step control."""
-        there = self.parameter + self._control.step_toward(goal - self.parameter)
+        way = goal - self.parameter
+        there = self.parameter + math.copysign(self.control.step_toward(abs(way)), way)
         return goal if np.isclose(there, goal, rtol=0, atol=1e-12) else there
 
     def _stop_if_stuck(self, there: float, outcome: NewtonOutcome) -> None:
         """Raise an error if the step was cut below the smallest one."""
-        if not self._control.is_exhausted:
-            return
-        step = there - self.parameter
-        self._load(self.parameter)
-        reason = f"no convergence ({outcome.reason}) even with a load step of {step:.2g}"
-        raise PathError(reason, self.parameter, self._take_effort())
+        if self.control.is_exhausted:
+            step = there - self.parameter
+            raise ComputationError(
+                f"no convergence ({outcome.reason}) even with a load step of {step:.2g}"
+            )
 
     def _follow_guide(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
         assert self._guide is not None
-        outcome, effort = self._guide.take_step(there, self.state, accepted, reference)
+        outcome, effort = self._guide.take_step(there, self.predictor.last, accepted, reference)
         self._effort += effort
         return outcome
 
     def _take_load_step(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
         """Solve from the predicted state; after some failures flow from the last equilibrium."""
-        outcome = self._newton.solve(self._predictor.guess(there), accepted)
+        outcome = self._newton.solve(self.predictor.guess(there), accepted)
         self._effort += Effort(outcome.iterations)
         if outcome.converged:
-            self._control = self._control.after_success(outcome.iterations)
+            self.control = self.control.after_success(outcome.iterations)
             return outcome
-        self._control = self._control.after_failure(there - self.parameter)
-        if self._control.failures % self._failures_before_flow and not self._control.is_exhausted:
+        self.control = self.control.after_failure(abs(there - self.parameter))
+        if self.control.failures % self._failures_before_flow and not self.control.is_exhausted:
             return outcome
-        flowed = self._search.flow.relax(self.state, accepted, reference)
+        flowed = self._search.flow.relax(self.predictor.last, accepted, reference)
         self._effort += flowed.effort
         if flowed.equilibrium is None:
             return outcome
@@ -213,8 +214,8 @@ class Continuation:
         return flowed.equilibrium
 
     def _make_stable(
-        self, found: Equilibrium, accepted: float, reference: float, is_guided: bool
-    ) -> Equilibrium | None:
+        self, found: LoadPoint, accepted: float, reference: float, is_guided: bool
+    ) -> LoadPoint | None:
         """Count the unstable modes of a goal, and leave it if there are any.
 
         If the guide has led to an unstable state, load steps are to be taken instead: None.
@@ -237,15 +238,16 @@ class Continuation:
 
     def _change_branch(self, parameter: float, state: State) -> None:
         """Begin anew on another branch, because the past predicts nothing."""
-        self._control = self._first
-        self._predictor = Predictor([(parameter, state)])
+        self.control = self._first
+        self.predictor = Predictor([(parameter, state)])
 
-    def _learn(self, found: Equilibrium) -> None:
-        self._predictor.learn(found.parameter, found.state)
+    def _learn(self, found: LoadPoint) -> None:
+        self.predictor.learn(found.parameter, found.state)
         if self._guide is not None:
             self._guide.learn(found.parameter, found.state)
 
-    def _take_effort(self) -> Effort:
-        """Return the effort since the last call."""
-        effort, self._effort = self._effort, Effort()
+    def _take_effort(self, load_steps: int) -> Effort:
+        """Return the work since the last call."""
+        effort = self._effort + Effort(load_steps=load_steps, work=self._newton.stopwatch.take())
+        self._effort = Effort()
         return effort

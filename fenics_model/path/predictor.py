@@ -27,6 +27,11 @@ class Predictor:
         others = [(t, known) for t, known in self.known if t != parameter]
         self.known = [*others[-MEMORY + 1 :], (parameter, state)]
 
+    def turn_back(self) -> None:
+        """Expect the equilibria so far to come again, in the opposite order."""
+        here = self.parameter
+        self.known = [(2 * here - t, state) for t, state in self.known]
+
     def guess(self, parameter: float) -> State:
         """Guess the state at a parameter (Lagrange's formula)."""
         change = np.zeros_like(self.last.values)

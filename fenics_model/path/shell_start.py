@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
 from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.mesh.layered_mesh import EDGES
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import stress
 from fenics_model.solve.newton import Newton, NewtonOutcome
-from fenics_model.solve.work import Stopwatch
-
-_EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
+from fenics_model.solve.stopwatch import Stopwatch
 
 
 def settle(
@@ -71,7 +70,7 @@ class Extrusion:
         solid = self._solid
         fibres = _Fibres(solid, self._mesh, shape)
         corners = solid.mesh.cell_vertices
-        ends = corners[:, _EDGES]
+        ends = corners[:, EDGES]
         flat = solid.mesh.volume.points
         moved = np.concatenate(
             [

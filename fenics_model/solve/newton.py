@@ -13,14 +13,14 @@ from dolfinx.fem import petsc as fem_petsc
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from bilayer.runtime.termination import PutOff, signals_put_off
 from fenics_model.api.dolfinx_api import RESIDUAL_IS_NO_NUMBER
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
 from fenics_model.solve.factors import Factors, why_factorisation_failed
-from fenics_model.solve.interruption import Interruption, interruption_put_off
 from fenics_model.solve.layout import AssembledMatrix, Layout
 from fenics_model.solve.petsc_options import UserOptions
-from fenics_model.solve.work import Stopwatch
+from fenics_model.solve.stopwatch import Stopwatch
 
 PREFIX = "bilayer_"
 DEFAULT_OPTIONS = {
@@ -124,6 +124,8 @@ class Newton:
     ----------
     layout : Layout
         Of the dofs.
+    stopwatch : Stopwatch
+        As handed in.
     """
 
     def __init__(
@@ -139,8 +141,8 @@ class Newton:
         self._held = list(held)
         self._viscosity: Viscosity | None = None
         self._handed_out: Factors | None = None
-        self._interruption = Interruption()
-        self._stopwatch = Stopwatch() if stopwatch is None else stopwatch
+        self._signals = PutOff()
+        self.stopwatch = Stopwatch() if stopwatch is None else stopwatch
         self._options = UserOptions(options, DEFAULT_OPTIONS, PREFIX)
         with ExitStack() as stack:
             self._create(iteration_limit, stack)
@@ -201,8 +203,8 @@ class Newton:
     def _iterate(self) -> str:
         """Run PETSc's iteration from `_x`; return why it failed, or an empty text."""
         with (
-            interruption_put_off() as self._interruption,
-            self._stopwatch.solving(),
+            signals_put_off() as self._signals,
+            self.stopwatch.solving(),
             self._options.in_force(),
         ):
             try:
@@ -223,7 +225,7 @@ class Newton:
         self._start_anew(state)
         self._tangent(self._snes, self._x, self._matrix, self._matrix)
         self._ksp.setOperators(self._matrix)
-        with self._stopwatch.solving(), self._options.in_force():
+        with self.stopwatch.solving(), self._options.in_force():
             self._ksp.setUp()
         return self._hand_out_factors()
 
@@ -247,6 +249,13 @@ class Newton:
     def _take_factors_back(self) -> None:
         if self._handed_out is not None:
             self._handed_out.release()
+
+    @cached_property
+    def held_dofs(self) -> NDArray[np.int32]:
+        """Dofs of this rank that are held, its ghosts included."""
+        return np.unique(np.concatenate([c.dof_indices()[0] for c in self._held] or [[]])).astype(
+            np.int32
+        )
 
     def residual(self, state: State) -> Array:
         """Return the residual of a state, that of held dofs left out."""
@@ -295,13 +304,13 @@ class Newton:
         if self._viscosity is not None:
             force = self._viscosity.force(State(self.solid.unknown.x.array))
             r.array[:] += force[: self.layout.owned]
-        if self._interruption.asked_for:
+        if self._signals.asked_for:
             r.set(math.nan)  # ends the iteration
 
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:
             local.set(0)
-        with self._stopwatch.assembling():
+        with self.stopwatch.assembling():
             fem_petsc.assemble_vector(r, self.solid.residual)
         r.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         for condition in self._held:
@@ -312,10 +321,10 @@ class Newton:
         self._go_to_vector(x)
         P.zeroEntries()
         self.solid.tangent.advance()
-        with self._stopwatch.assembling():
+        with self.stopwatch.assembling():
             fem_petsc.assemble_matrix(P, self.solid.tangent.form, self._held)
             P.assemble()
-        self._stopwatch.count_factorisation()
+        self.stopwatch.count_factorisation()
         if self._viscosity is not None:
             same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
             P.axpy(self._viscosity.k, self._viscosity.mass.petsc, same)
