@@ -274,9 +274,11 @@ class SolidPath:
         if here < self.loads.end:
             self.loads.leave_at(here)
         begin, goal = self.loads.last, self.loads.add_target(target)
-        if self.loads.turns_back:
+        shapes = self._shapes_between(begin, target, goal)
+        if self.loads.turns_back:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
-        self._guide.lead_along(self._shapes_between(begin, target, goal))
+            shapes = {}
+        self._guide.lead_along(shapes)
         for point in self._continuation.approach(goal):
             yield SolidEquilibrium(self, point)
 
