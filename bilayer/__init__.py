@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from bilayer.mesh.planar import PlanarMesh, read_planar_mesh, write_planar_mesh
     from bilayer.results.comparison import compare
     from bilayer.results.conversion import convert_milestones, convert_result
-    from bilayer.results.result import open_result, result_mesh, result_specimen, write_result
+    from bilayer.results.files import open_result, write_result
+    from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
-    from bilayer.solvers.registry import solve
+    from bilayer.solvers.registry import follow, solve
     from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
     from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
     from bilayer.specimen.toml import (
@@ -58,9 +59,10 @@ _MODULES = {
     "bilayer.mesh.planar": ("PlanarMesh", "read_planar_mesh", "write_planar_mesh"),
     "bilayer.results.comparison": ("compare",),
     "bilayer.results.conversion": ("convert_milestones", "convert_result"),
-    "bilayer.results.result": ("open_result", "result_mesh", "result_specimen", "write_result"),
+    "bilayer.results.files": ("open_result", "write_result"),
+    "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
-    "bilayer.solvers.registry": ("solve",),
+    "bilayer.solvers.registry": ("follow", "solve"),
     "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
     "bilayer.specimen.specimen": ("CutPattern", "Layer", "MeshSize", "Prestretch", "Specimen"),
     "bilayer.specimen.toml": (

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from bilayer.cli.parser import add_verb
-from bilayer.results.result import open_result, write_result
+from bilayer.results.files import open_result, write_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
-from bilayer.solvers.registry import solver_package
+from bilayer.solvers.registry import solver_named
 from bilayer.solvers.rerun import (
     AGREEMENT,
     agree,
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     join_mpi()
     first = is_first_rank()
     result = as_far_as_it_came(open_result(options.result))
-    if not (first or solver_package(result.attrs["solver"]).PARALLEL):
+    if not (first or solver_named(result.attrs["solver"]).parallel):
         return 0  # the first rank computes alone
     if options.output is not None:
         check_writable(Path(options.output))

@@ -13,13 +13,13 @@ from bilayer.cli.parser import (
     specimen_of,
 )
 from bilayer.errors import InputError, Interrupted
+from bilayer.results.files import open_result, write_result
 from bilayer.results.report import result_table
-from bilayer.results.result import open_result, write_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.termination import termination_as_ctrl_c
-from bilayer.solvers.registry import SOLVERS, STARTS, settings_kind, solve, solver_package
+from bilayer.solvers.registry import SOLVERS, STARTS, settings_kind, solve, solver_named
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
 
 
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     join_mpi()
     first = is_first_rank()
-    if not (first or solver_package(options.solver).PARALLEL):
+    if not (first or solver_named(options.solver).parallel):
         return 0  # the first rank computes alone
     check_writable(Path(options.output))
     values, overrides = split_solver_settings(options.overrides)
@@ -87,7 +87,7 @@ def _tell_what_is_kept(result: Any, file: str) -> None:
 def _describe_settings() -> str:
     lines = ["settings of the solvers, changed by --set solver.NAME=VALUE:"]
     for name in SOLVERS:
-        for model, kind in solver_package(name).MODELS.items():
+        for model, kind in solver_named(name).models.items():
             lines += [f"\n--solver {name} --model {model}", describe(kind)]
     return "\n".join(lines)
 

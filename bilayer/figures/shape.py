@@ -32,7 +32,7 @@ from bilayer.measures.body_frame import body_frame
 from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
-from bilayer.results.result import result_mesh
+from bilayer.results.schema import result_mesh
 from bilayer.results.table import stretch_text, stretches
 
 Array = NDArray[np.float64]
@@ -90,7 +90,7 @@ def draw_shapes(result: xr.Dataset) -> Figure:
     Parameters
     ----------
     result : Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
 
     Raises
     ------

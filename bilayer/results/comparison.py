@@ -17,7 +17,7 @@ from bilayer.geometry.alignment import rms_distance
 from bilayer.measures.shape import outer_radius
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.caveats import is_unstable, touches_itself
-from bilayer.results.result import SAME_STRETCH, result_mesh, result_specimen
+from bilayer.results.schema import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.specimen import MeshSize, Specimen
 
@@ -43,7 +43,7 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     first, second : Dataset
-        Results, see `bilayer.results.result`.
+        Results, see `bilayer.results.schema`.
 
     Returns
     -------
@@ -153,17 +153,25 @@ def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
 def _common_milestones(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the places of the common milestones in either result."""
+    """Return the places of the common milestones in either result.
+
+    A prestretch that comes again is matched in its order: the first with the first, and so on.
+    """
     mine, other = stretches(first), stretches(second)
-    apart = np.abs(mine[:, None] - other[None]).max(axis=2)
-    here, there = np.nonzero(apart < SAME_STRETCH)
-    if len(here) == 0:
+    same = np.abs(mine[:, None] - other[None]).max(axis=2) < SAME_STRETCH
+    here, there = [], []
+    for place, row in enumerate(same):
+        free = [match for match in np.flatnonzero(row) if match not in there]
+        if free:
+            here.append(place)
+            there.append(int(free[0]))
+    if not here:
         listed, others = (", ".join(stretch_text(p) for p in pairs) for pairs in (mine, other))
         raise InputError(
             f"prestretch.milestones = {listed} in the first result and {others} in the second: "
             "expected a common one"
         )
-    return here, there
+    return np.array(here), np.array(there)
 
 
 def _distances(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.files import write_mesh_file
-from bilayer.results.result import SAME_STRETCH
+from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
 
 
@@ -34,7 +34,7 @@ def convert_result(
     Parameters
     ----------
     result : Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
     path : path-like
         The file.
     prestretch : float, optional

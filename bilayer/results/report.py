@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.results.effort import effort_lines
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.specimen import CutPattern, Specimen
 

@@ -15,11 +15,11 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.errors import INTERRUPTED
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.results.starting import ANOTHER_RESULT, FLAT
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.registry import settings_kind, solve, solver_package
+from bilayer.solvers.registry import settings_kind, solve, solver_named
 from bilayer.specimen.settings import settings_from
 
 AGREEMENT = 1e-8
@@ -51,7 +51,7 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
     Returns
     -------
     Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def solve_command(result: xr.Dataset, file: str) -> str:
     for name, value in tomllib.loads(result.attrs["settings"]).items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
-    if result.attrs.get("start") == FLAT != solver_package(solver).DEFAULT_START:
+    if result.attrs.get("start") == FLAT != solver_named(solver).default_start:
         words += ["--start", FLAT]
     if began_elsewhere(result):
         words += ["--start", "START.nc"]

@@ -8,7 +8,6 @@ how stretched: that is all a solver needs. Everything is in SI units and checked
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 from bilayer.errors import InputError
 from bilayer.specimen.material import Law
@@ -128,8 +127,9 @@ class Prestretch:
     Parameters
     ----------
     milestones : sequence of float or of (float, float)
-        Stretch at each milestone, ascending: one number for an equibiaxial stretch or a pair
-        (lambda_x, lambda_y). A pair counts in the order by its larger number.
+        Stretch at each milestone, in the order in which the path takes them: one number for an
+        equibiaxial stretch or a pair (lambda_x, lambda_y). It may come down again, and a stretch
+        may come more than once.
     thickness : {"natural", "constant"}
         "natural": a stretched layer keeps its volume, bonded thickness = natural / (lambda_x
         lambda_y). "constant": `Layer.thickness` whatever the stretch, the paper's simplification.
@@ -149,13 +149,6 @@ class Prestretch:
         pairs = tuple(_stretch_pair(milestone) for milestone in self.milestones)
         if not pairs:
             raise InputError("prestretch.milestones = []: expected at least one")
-        nominal = [max(pair) for pair in pairs]
-        for before, after in pairwise(nominal):
-            if after <= before:
-                raise InputError(
-                    f"prestretch.milestones = {list(self.milestones)}: expected ascending numbers, "
-                    f"each once, but {after} follows {before}"
-                )
         object.__setattr__(self, "milestones", pairs)
         one_of("prestretch.thickness", self.thickness, BONDED_THICKNESS_RULES)
         object.__setattr__(self, "layers", _stretched_layers(self.layers))

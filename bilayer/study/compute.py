@@ -4,7 +4,7 @@ import time
 import traceback
 from typing import Any
 
-from bilayer.solvers.registry import solve, solver_package
+from bilayer.solvers.registry import solve, solver_named
 from bilayer.study.case import Case
 from bilayer.study.folder import BEGUN, StudyFolder
 
@@ -29,7 +29,7 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         The folder cannot be written, for example on a full disk.
     """
     first = comm is None or comm.Get_rank() == 0
-    if not (first or solver_package(case.solver).PARALLEL):
+    if not (first or solver_named(case.solver).parallel):
         return  # the first rank computes alone
     if first:
         folder.log(BEGUN, case)

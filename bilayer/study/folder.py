@@ -23,7 +23,7 @@ from typing import Any
 import xarray as xr
 
 from bilayer.errors import ComputationError, InputError
-from bilayer.results.result import write_result
+from bilayer.results.files import write_result
 from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan

@@ -17,7 +17,7 @@ import numpy as np
 
 from bilayer.errors import InputError
 from bilayer.mesh.generation import check_memory
-from bilayer.solvers.registry import SOLVERS, settings_kind, solver_package
+from bilayer.solvers.registry import SOLVERS, settings_kind, solver_named
 from bilayer.specimen.settings import settings_from
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import parse_specimen
@@ -211,7 +211,7 @@ def _case(
     if milestones:
         overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
     specimen = parse_specimen(specimen_text, overrides, source="the study's specimen")
-    model = chosen.pop("model", next(iter(solver_package(solver).MODELS)))
+    model = chosen.pop("model", next(iter(solver_named(solver).models)))
     kind: Any = settings_kind(solver, model)
     _check_memory(specimen, solver)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)
@@ -226,4 +226,4 @@ def _ascending(milestones: list[Any]) -> list[Any]:
 
 
 def _check_memory(specimen: Specimen, solver: str) -> None:
-    check_memory(specimen, solver_package(solver).BYTES_PER_TRIANGLE, f"the solver {solver!r}")
+    check_memory(specimen, solver_named(solver).bytes_per_triangle, f"the solver {solver!r}")

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh.generation import generate_mesh
-from bilayer.results.result import result_mesh
+from bilayer.results.schema import result_mesh
 from bilayer.specimen.support import held_upright
 from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings

@@ -16,7 +16,7 @@ from bilayer import (
     write_result,
 )
 from bilayer.measures.shape import measure_shape
-from bilayer.results.result import build_result
+from bilayer.results.assembly import build_result
 
 PER_MILESTONE = {
     "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height", "iterations",

@@ -8,7 +8,7 @@ import pytest
 
 from bilayer.cli.main import main
 from bilayer.cli.verbs import solve
-from bilayer.results.result import open_result
+from bilayer.results.files import open_result
 
 
 @contextmanager
