@@ -47,17 +47,13 @@ def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:
     return made
 
 
-def _make_mesh(
-    specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings
-) -> PlanarMesh:
+def _make_mesh(specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings) -> PlanarMesh:
     elements = settings.substrate_elements + settings.kirigami_elements
     needed = BYTES_PER_TRIANGLE * elements / 2
     return mesh_within_memory(specimen, mesh, needed, "the finite-element model")
 
 
-def _make_start(
-    start: Start, mesh: PlanarMesh, comm: MPI.Comm
-) -> tuple[xr.Dataset | None, str]:
+def _make_start(start: Start, mesh: PlanarMesh, comm: MPI.Comm) -> tuple[xr.Dataset | None, str]:
     """Return a start, made if it is not there yet, and a line about it."""
     if start is None or isinstance(start, xr.Dataset):
         return start, began(start)

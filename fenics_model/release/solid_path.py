@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
 
 import basix
 import dolfinx
@@ -25,7 +24,7 @@ from fenics_model.branches.branch_search import BranchSearch, Departure, SearchR
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
-from fenics_model.path.release_path import WEIGHT_WAY, LoadPlace, ReleasePath, Stretch
+from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath, Stretch
 from fenics_model.path.shell_start import Extrusion, settle
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.branch_fields import branch_dataset
@@ -33,7 +32,6 @@ from fenics_model.release.effort_fields import effort_dataset
 from fenics_model.release.linearisation import SolidLinearisation
 from fenics_model.release.saved_path import SavedPath
 from fenics_model.release.specimen_solid import (
-    BilayerSolid,
     bilayer_solid,
     held_points,
     uneven_lift,
