@@ -13,10 +13,8 @@ import xarray as xr
 
 from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.files import write_result
 from bilayer.results.starting import with_waypoints
 from bilayer.runtime.progress import Progress
-from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
 from bilayer.solvers.path import Observer
@@ -34,14 +32,8 @@ STARTS = ("shell", "flat")
 def solver_named(name: str) -> Solver:
     """Return a solver; raise InputError if the name is unknown."""
     with signals_put_off():  # compiled modules may turn Ctrl-C into another error
-        package = import_module(SOLVERS[one_of("solver", name, SOLVERS)])
-    if hasattr(package, "SOLVER"):
-        solver: Solver = package.SOLVER
-        return solver
-    return Solver(
-        name, package.MODELS, package.PARALLEL, package.BYTES_PER_TRIANGLE, package.DEFAULT_START,
-        None,  # type: ignore[arg-type]
-    )  # fmt: skip
+        solver: Solver = import_module(SOLVERS[one_of("solver", name, SOLVERS)]).SOLVER
+    return solver
 
 
 def settings_kind(solver: str, model: str | None = None) -> type:
@@ -106,15 +98,6 @@ def solve(
         Ctrl-C; with the milestones that were reached, if there are any.
     """
     asked, chosen = specimen_given(specimen), solver_named(solver)
-    if chosen.open_path is None:
-        package = import_module(SOLVERS[solver])
-        found: xr.Dataset = package.solve(
-            asked, settings, mesh=mesh, start=_start_of(asked, chosen, start), comm=comm,
-            progress=progress,
-        )  # fmt: skip
-        if output is not None and (comm is None or comm.Get_rank() == 0) and is_first_rank():
-            write_result(found, output)
-        return found
     return solve_with(
         chosen,
         asked,
