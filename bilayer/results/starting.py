@@ -125,12 +125,16 @@ def _rows_on_way(
 ) -> list[tuple[float, int]]:
     """Return the share of the way and the row of each prestretch that lies on it, ascending.
 
-    Of rows with the same prestretch, as in a result that goes up and down again, the first that is
-    not before the row `passed`, at which the way begins; else the first of all.
+    A start that goes up and down passes a prestretch more than once. The rows of a way are those
+    from `passed`, the row where it begins, to the first that is at its end. If there is none, all
+    rows are looked at.
     """
+    shares = {row: _share(begin, end, pair) for row, pair in enumerate(pairs)}
+    arrivals = [row for row in range(passed, len(pairs)) if shares[row] == 1]
+    rows = range(passed, arrivals[0] + 1) if arrivals else range(len(pairs))
     taken: dict[float, int] = {}
-    for row in [*range(passed, len(pairs)), *range(passed)]:
-        share = _share(begin, end, pairs[row])
+    for row in rows:
+        share = shares[row]
         if share and not any(abs(share - other) < SAME_STRETCH for other in taken):
             taken[share] = row
     return sorted(taken.items())
