@@ -129,7 +129,7 @@ def _rows_on_way(
     from `passed`, the row where it begins, to the first that is at its end. If there is none, all
     rows are looked at.
     """
-    shares = {row: _share(begin, end, pair) for row, pair in enumerate(pairs)}
+    shares = [_share(begin, end, pairs[row]) for row in range(len(pairs))]
     arrivals = [row for row in range(passed, len(pairs)) if shares[row] == 1]
     rows = range(passed, arrivals[0] + 1) if arrivals else range(len(pairs))
     taken: dict[float, int] = {}
