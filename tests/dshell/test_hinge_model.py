@@ -8,7 +8,7 @@ from verification import bilayers
 
 from bilayer import PlanarMesh, solve
 from bilayer.mesh.generation import generate_mesh
-from bilayer.mesh.planar import BARE, KIRIGAMI
+from bilayer.specimen.two_layers import BARE, KIRIGAMI
 from dshell import HingeSettings
 from dshell.energies.topology import Topology
 from dshell.models.hinge_rest_state import (

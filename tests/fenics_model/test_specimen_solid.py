@@ -30,11 +30,8 @@ def nodal_forces(body):
 
 
 def test_each_layer_has_the_weight_of_its_own_density():
-    layers = {
-        "substrate": replace(COARSE.substrate, density=700.0),
-        "kirigami": replace(COARSE.kirigami, density=1900.0),
-    }
-    heavy = replace(COARSE, gravity=9.81, **layers).with_milestones([1.2])
+    uneven = COARSE.with_layer("substrate", density=700.0).with_layer("kirigami", density=1900.0)
+    heavy = replace(uneven, gravity=9.81).with_milestones([1.2])
     body = made_solid(heavy, SolidSettings(imperfection=0.0))
     body.load(body.path.milestones[0])
     mesh = generate_mesh(heavy)
@@ -48,7 +45,7 @@ def test_each_layer_has_the_weight_of_its_own_density():
 def test_the_saddle_load_has_no_resultant_and_no_moment(cut):
     """However the kirigami lies; the layers' own forces, at a prestretch, have none either."""
     pattern = None if cut is None else CutPattern(*cut)
-    specimen = replace(COARSE, cut=pattern, kirigami=replace(COARSE.kirigami, density=2500.0))
+    specimen = COARSE.with_layer("kirigami", pattern=pattern, density=2500.0)
     body = made_solid(specimen.with_milestones([(1.2, 1.1)]), SolidSettings(imperfection=50.0))
     loads = []
     for fraction in (0.0, 0.3):
@@ -71,12 +68,12 @@ def test_each_layer_stores_the_energy_that_laminate_theory_gives_it():
     But along the free edge, where the thickness of 2 mm counts against the radius of 40 mm.
     """
     stretch = 1.0003
-    disc = replace(COARSE, cut=None).with_milestones([stretch])
+    disc = COARSE.with_layer("kirigami", pattern=None).with_milestones([stretch])
     result = solve(disc)
     layers = disc.bonded_layers((stretch, stretch))
     modulus = np.array([part.layer.material.young_modulus for part in layers]) / (1 - 0.5)
     bottom, top = np.array([(part.bottom, part.top) for part in layers]).T
-    natural = np.array([1 / max(part.stretch) - 1 for part in layers])
+    natural = np.array([1 / max(part.axial_stretch) - 1 for part in layers])
     moments = [modulus * (top**n - bottom**n) / n for n in (1, 2, 3)]
     a, b, d = (moment.sum() for moment in moments)
     e0, k = np.linalg.solve([[a, b], [b, d]], [moments[0] @ natural, moments[1] @ natural])
