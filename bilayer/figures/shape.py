@@ -33,7 +33,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
 from bilayer.results.milestones import along_milestones
-from bilayer.results.result import result_mesh
+from bilayer.results.schema import result_mesh
 from bilayer.results.table import stretch_text, stretches
 from bilayer.specimen.two_layers import KIRIGAMI
 
@@ -92,7 +92,7 @@ def draw_shapes(result: xr.Dataset) -> Figure:
     Parameters
     ----------
     result : Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from bilayer.measures.shape import outer_radius
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.milestones import along_milestones
-from bilayer.results.result import SAME_STRETCH, result_mesh, result_specimen
+from bilayer.results.schema import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.layer import Layer
 from bilayer.specimen.specimen import MeshSize, Specimen
@@ -45,7 +45,7 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     first, second : Dataset
-        Results, see `bilayer.results.result`.
+        Results, see `bilayer.results.schema`.
 
     Returns
     -------

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mesh.files import write_mesh_file
 from bilayer.results.milestones import along_milestones
-from bilayer.results.result import SAME_STRETCH
+from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
 
 
@@ -35,7 +35,7 @@ def convert_result(
     Parameters
     ----------
     result : Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
     path : path-like
         The file.
     prestretch : float, optional

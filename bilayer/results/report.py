@@ -8,7 +8,7 @@ import xarray as xr
 
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.pattern import CutPattern, Pattern
 from bilayer.specimen.specimen import Specimen

@@ -88,7 +88,7 @@ class Specimen:
         object.__setattr__(self, "name", text("specimen.name", self.name))
         for layer in self.layers:
             if layer.pattern is not None:
-                with fields_of(f"layers.{layer.name}"):
+                with fields_of(f"layers.{layer.name}.pattern"):
                     layer.pattern.check_fit(self.outline)
         if self.mesh.size > self.characteristic_length:
             raise InputError(

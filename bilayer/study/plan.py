@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.solvers.registry import SOLVERS, settings_kind, solver_package
+from bilayer.solvers.registry import SOLVERS, settings_kind, solver_named
 from bilayer.specimen.settings import settings_from
-from bilayer.specimen.toml import parse_specimen
+from bilayer.specimen.toml import parse_specimen_file
 from bilayer.study.case import Case
 from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
 from bilayer.validation import nearest, one_of
@@ -208,8 +208,8 @@ def _case(
             overrides.append(f"{name}={json.dumps(value)}")
     if milestones:
         overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
-    specimen = parse_specimen(specimen_text, overrides, source="the study's specimen")
-    model = chosen.pop("model", next(iter(solver_package(solver).MODELS)))
+    specimen = parse_specimen_file(specimen_text, overrides, source="the study's specimen")
+    model = chosen.pop("model", next(iter(solver_named(solver).models)))
     kind: Any = settings_kind(solver, model)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)
 

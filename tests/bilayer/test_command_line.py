@@ -141,7 +141,10 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ([*SHELL, "-o", "/proc/a.nc"], "cannot be made"),
         ([*SHELL, "-o", "a.nc", "--set", "mesh.corner_size=1e-9"], "triangles would take"),
         ([*SHELL, "-o", "a.nc", "--mesh-size", "1e-300"], "mesh.size = 1e-300 m"),
-        ([*SHELL, "-o", "a.nc", "--mesh-size", "abc"], "mesh.size = 'abc': expected a number"),
+        (
+            [*SHELL, "-o", "a.nc", "--mesh-size", "abc"],
+            "mesh.size = 'abc': expected a length, a number in m",
+        ),
         ([*SHELL, "-o", "a.nc", "--mesh-size", "1e-6"], "mesh.size = 1e-06 m: about .* GiB"),
         ([*SHELL, "-o", "a.nc", "--mesh", "none.msh"], "mesh file none.msh: cannot be read"),
         ([*SHELL, "-o", "a.nc", "--start", "none.nc"], "result file none.nc: cannot be read"),
