@@ -27,6 +27,7 @@ from bilayer.calculix.drawn_layer import INTERFACE, DrawnLayer, draw_layer
 from bilayer.calculix.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.errors import InputError
 from bilayer.geometry.saddle_load import SaddleLoad
+from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
@@ -122,10 +123,12 @@ def write_decks(
     Raises
     ------
     InputError
-        A material cannot be had, or the folder cannot be written.
+        A material cannot be had, the mesh is not one of the specimen, or the folder cannot be
+        written.
     ComputationError
         Writing failed, for example on a full disk.
     """
+    check_agreement(specimen, mesh)
     milestones = specimen.prestretch.milestones
     target = Path(path)
     names = [target]

@@ -22,6 +22,8 @@ SNAP = 1e-7
 """Points nearer to each other than this share of the characteristic length are one."""
 CORNER = math.radians(20)
 """Edges that turn by more at a point have a corner there, which becomes a node."""
+STRAIGHT = math.radians(30)
+"""A curve of many short lines is given an edge for every such part of a turn, or more."""
 GRADING = 0.25
 """Growth of the edge length over the distance from the corners of the cuts."""
 
@@ -99,10 +101,11 @@ class DividedSheet:
         geo = gmsh.model.geo
         points: dict[Vertex, int] = {}
         curves: dict[Chain, int] = {}
+        sizes = self._sizes()
         for chain in self._chains:
             for vertex in chain:
                 if vertex not in points:
-                    points[vertex] = geo.addPoint(*vertex, 0, self.size)
+                    points[vertex] = geo.addPoint(*vertex, 0, sizes[vertex])
             tags = [points[vertex] for vertex in chain]
             curves[chain] = geo.addLine(*tags) if len(tags) == 2 else geo.addPolyline(tags)
         surfaces = [geo.addPlaneSurface(self._loops(geo, part, curves)) for part in self.parts]
@@ -132,6 +135,16 @@ class DividedSheet:
                     if chain[::-1] not in found:
                         found[chain] = None
         return found
+
+    def _sizes(self) -> dict[Vertex, float]:
+        """Return the edge length at each point, shorter at a short chain and one that bends."""
+        sizes: dict[Vertex, float] = {}
+        for chain in self._chains:
+            turn = sum(_turn(*three) for three in zip(chain, chain[1:], chain[2:], strict=False))
+            straight = shapely.LineString(chain).length * STRAIGHT / max(turn, STRAIGHT)
+            for vertex in chain:
+                sizes[vertex] = min(self.size, straight, sizes.get(vertex, self.size))
+        return sizes
 
     @cached_property
     def _fine(self) -> tuple[list[Vertex], list[Chain]]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError, NotEnoughMemoryError
+from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.divided_sheet import DividedSheet
 from bilayer.mesh.drawing import TRIANGLES_PER_AREA, Drawing
 from bilayer.mesh.gmsh_session import gmsh_session
@@ -68,6 +69,8 @@ def mesh_within_memory(
 ) -> PlanarMesh:
     """Return a given mesh, or that of a specimen, if there is the memory to go on with it.
 
+    A given mesh has to be one of the specimen.
+
     Parameters
     ----------
     specimen : Specimen
@@ -81,12 +84,15 @@ def mesh_within_memory(
     ------
     NotEnoughMemoryError
         There is less memory than needed.
+    InputError
+        The mesh is not one of the specimen.
     ComputationError
         gmsh is not there, or fails.
     """
     if mesh is None:
         check_memory(specimen, bytes_per_triangle, what, available)
         return generate_mesh(specimen)
+    check_agreement(specimen, mesh)
     count = len(mesh.triangles)
     _check_available(f"mesh: its {count}", count * bytes_per_triangle, what, available)
     return mesh

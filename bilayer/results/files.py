@@ -43,7 +43,7 @@ class ResumePoint:
 
 
 def write_result(result: xr.Dataset, path: str | Path, resume: ResumePoint | None = None) -> None:
-    """Write a dataset as NetCDF, whole or not at all.
+    """Write a dataset as NetCDF, whole or not at all; a finished one is compressed.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def write_result(result: xr.Dataset, path: str | Path, resume: ResumePoint | Non
     packed: dict[Any, dict[str, Any]] = {
         name: {"zlib": True, "complevel": 4}
         for name, variable in result.variables.items()
-        if variable.dtype.kind == "f" and variable.ndim > 1
+        if variable.dtype.kind == "f" and variable.ndim > 1 and resume is None
     }
     without_gaps = {name: {"_FillValue": None} for name in result.coords}  # CF, section 2.5.1
     group = None if resume is None else _as_dataset(resume)

@@ -187,7 +187,7 @@ def test_a_mesh_of_another_size_is_refused(folder, capsys):
 def test_a_mesh_of_another_cut_is_refused(folder, capsys):
     assert main(["mesh", "specimen.toml", "-o", "m.vtk", *COARSE, "--quiet"]) == 0
     words = [*SHELL, "--mesh", "m.vtk", "-o", "a.nc", "--set", "cut.strips=6"]
-    assert "of it, expected 72.5% by [cut]" in error_of(capsys, words)
+    assert "mesh file m.vtk: the layer 'kirigami' " in error_of(capsys, words)
 
 
 SQUARE = np.array([[0.0, 0.04], [-0.04, 0.0], [0.0, -0.04], [0.04, 0.0]])
