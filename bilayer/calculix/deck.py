@@ -373,5 +373,5 @@ def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
     The substrate's nodes that do are eliminated.
     """
     carrying = np.unique(mesh.triangles[mesh.faces_of(KIRIGAMI_LAYER)])
-    a, b, c = carrying[list(support(mesh.points[carrying], gravity))]
+    a, b, c = carrying[list(support(mesh.points[carrying], gravity, mesh.centroid))]
     return int(a), int(b), int(c)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.geometry.alignment import rms_distance
-from bilayer.measures.shape import outer_radius
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.milestones import along_milestones
@@ -73,8 +72,11 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
         rms_distance=("prestretch", distance, {"units": "m", "long_name": "rms distance"}),
         rms_distance_over_radius=(
             "prestretch",
-            distance / outer_radius(mesh),
-            {"units": "1", "long_name": "rms distance over the flat disc's radius"},
+            distance / result_specimen(first).characteristic_length,
+            {
+                "units": "1",
+                "long_name": "rms distance over the flat sheet's radius",
+            },
         ),
     )
     compared.attrs = {"first": result_label(first), "second": result_label(second)}

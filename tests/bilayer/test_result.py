@@ -58,7 +58,7 @@ def test_everything_has_a_unit_or_is_a_count_or_a_label(result):
 def test_measures_are_those_of_the_shapes(result):
     mesh = result_mesh(result)
     for k in range(3):
-        measures = measure_shape(mesh, result["position"].values[k])
+        measures = measure_shape(mesh, result["position"].values[k], 0.04)
         assert result["quality"].values[k] == measures.quality
         assert result["sphere_radius"].values[k] == measures.sphere_radius
         assert result["span"].values[k].tolist() == measures.span.tolist()
