@@ -84,6 +84,37 @@ def test_a_result_opens_as_any_other(study):
     assert list(index["quality"]) == list(result["quality"].values)
 
 
+def test_pairs_with_one_larger_stretch_are_milestones_of_one_case(study):
+    write, out = study
+    pairs = "[1.03, 1.0], [1.02, 1.03], 1.03, 1.01"
+    assert main(write(QUICK + f'[vary]\n"prestretch.milestones" = [{pairs}]\n')) == 0
+    index = pd.read_csv(out / "study.csv")
+    assert index["prestretch_x"].tolist() == [1.01, 1.03, 1.02, 1.03]
+    assert index["prestretch_y"].tolist() == [1.01, 1.0, 1.03, 1.03]
+    (identity,) = index["case"].unique()
+    result = open_result(out / "cases" / f"{identity}.nc")
+    opened = open_study(out)
+    for name in ("quality", "height", "converged"):
+        assert index[name].to_numpy() == pytest.approx(result[name].values)
+        assert opened[name].values[0] == pytest.approx(result[name].values)
+    assert opened["position"].values[0] == pytest.approx(result["position"].values)
+    chosen = opened.isel(prestretch=opened["prestretch_y"].values == 1.0)
+    assert chosen["height"].values[0] == pytest.approx(result["height"].values[[1]])
+
+
+def test_a_load_path_that_goes_back_is_one_case(study):
+    write, out = study
+    words = write(QUICK)
+    specimen = out.parent / "specimen.toml"
+    path = specimen.read_text().replace("[1.03, 1.06]", "[1.03, 1.06, 1.03]")
+    specimen.write_text(path)
+    assert main(words) == 0
+    opened = open_study(out)
+    assert opened["prestretch"].values.tolist() == [1.03, 1.06, 1.03]
+    assert opened["visit"].values.tolist() == [0, 0, 1]
+    assert opened["converged"].values.tolist() == [[1, 1, 1]]
+
+
 def test_a_case_that_fails_is_recorded_and_stops_no_other(study, capsys):
     """The printed shell refuses a true weight."""
     write, out = study
