@@ -153,25 +153,17 @@ def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
 def _common_milestones(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the places of the common milestones in either result.
-
-    A prestretch that comes again is matched in its order: the first with the first, and so on.
-    """
+    """Return the places of the common milestones in either result."""
     mine, other = stretches(first), stretches(second)
-    same = np.abs(mine[:, None] - other[None]).max(axis=2) < SAME_STRETCH
-    here, there = [], []
-    for place, row in enumerate(same):
-        free = [match for match in np.flatnonzero(row) if match not in there]
-        if free:
-            here.append(place)
-            there.append(int(free[0]))
-    if not here:
+    apart = np.abs(mine[:, None] - other[None]).max(axis=2)
+    here, there = np.nonzero(apart < SAME_STRETCH)
+    if len(here) == 0:
         listed, others = (", ".join(stretch_text(p) for p in pairs) for pairs in (mine, other))
         raise InputError(
             f"prestretch.milestones = {listed} in the first result and {others} in the second: "
             "expected a common one"
         )
-    return np.array(here), np.array(there)
+    return here, there
 
 
 def _distances(

@@ -1,13 +1,15 @@
 """A file that appears whole or not at all: written in a folder beside it, then moved."""
 
 import errno
+import glob
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import InputError, NotWrittenError
 
 HDF5_ROOM = 2**16
 """Bytes that an HDF5 file may take beside its data, uncompressed."""
@@ -36,7 +38,7 @@ def whole_file(path: str | Path, what: str, room: int = 0) -> Iterator[Path]:
     ------
     InputError
         The folder does not exist or cannot be written.
-    ComputationError
+    NotWrittenError
         Writing failed, for example on a full disk. Any other error of the block passes as it is.
     """
     target = Path(path)
@@ -53,7 +55,7 @@ def whole_file(path: str | Path, what: str, room: int = 0) -> Iterator[Path]:
     except OSError as error:
         if not _is_of_writing(error, folder):
             raise
-        raise ComputationError(f"{what} {target}: cannot be written ({error})") from error
+        raise NotWrittenError(f"{what} {target}: cannot be written ({error})") from error
 
 
 def _is_of_writing(error: OSError, folder: str) -> bool:
@@ -67,6 +69,14 @@ def _check_room(folder: Path, size: int) -> None:
     if size > 0:
         with tempfile.TemporaryFile(dir=folder) as trial:
             os.posix_fallocate(trial.fileno(), 0, size)
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Remove what a process that was killed while it wrote a file has left beside it."""
+    target = Path(path)
+    for folder in target.parent.glob(f".{glob.escape(target.stem[:NAME_SHOWN])}.????????"):
+        if folder.is_dir() and all(part.stem == target.stem for part in folder.iterdir()):
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def check_writable(path: Path) -> None:

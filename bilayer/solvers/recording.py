@@ -119,6 +119,7 @@ class Recorder:
             result.attrs[NOT_MEASURED] = "; ".join(self._not_measured)
         if self._earlier is None:
             return result
+        result.attrs["history"] += f"; {len(self._earlier.states)} milestones by an earlier run"
         return with_rows_of(self._earlier.result, result, len(self._earlier.states), own.data_vars)
 
     def _collected(self, step: LoadStep[Any, Equilibrium]) -> _Milestone:

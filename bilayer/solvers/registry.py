@@ -15,6 +15,7 @@ from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.starting import with_waypoints
 from bilayer.runtime.progress import Progress
+from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
 from bilayer.solvers.path import Observer
 from bilayer.solvers.run import follow_with, solve_with
@@ -30,7 +31,9 @@ STARTS = ("shell", "flat")
 
 def solver_named(name: str) -> Solver:
     """Return a solver; raise InputError if the name is unknown."""
-    solver: Solver = import_module(SOLVERS[one_of("solver", name, SOLVERS)]).SOLVER
+    with signals_put_off():  # compiled modules may turn Ctrl-C into another error
+        package = import_module(SOLVERS[one_of("solver", name, SOLVERS)])
+    solver: Solver = package.SOLVER
     return solver
 
 

@@ -8,6 +8,7 @@ begins as usual: the file does not hold that one.
 
 import shlex
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,9 @@ def as_far_as_it_came(result: xr.Dataset) -> xr.Dataset:
     return result.isel(prestretch=result["converged"].values == 1)
 
 
-def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
+def rerun(
+    result: xr.Dataset, progress: Progress | None = None, output: str | Path | None = None
+) -> xr.Dataset:
     """Compute the milestones of a result again.
 
     Parameters
@@ -47,6 +50,8 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
         From `bilayer.open_result`.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
+    output : path-like, optional
+        File of the new result, see `bilayer.solve`.
 
     Returns
     -------
@@ -67,6 +72,7 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
         mesh=result_mesh(result),
         start=FLAT if result.attrs.get("start") == FLAT else None,
         progress=progress,
+        output=output,
     )
 
 

@@ -70,7 +70,7 @@ def solve_with(
             if _has_others(path) or recorder.tried == 0:  # the ranks stop at different places
                 raise
             with signals_put_off():
-                kept = Interrupted(recorder.result())
+                kept = Interrupted(recorder.result(), output)
             raise kept from interrupt
 
 

@@ -51,7 +51,7 @@ def open_study(path: str | Path) -> xr.Dataset:
     planned = folder.planned()
     entries, fields = planned["cases"], planned["fields"]
     stretches = np.unique([stretch for entry in entries for stretch in entry["milestones"]])
-    files = [folder.result_file(entry["case"]) for entry in entries]
+    files = [folder.kept_file(entry["case"]) for entry in entries]
     found = [file.exists() for file in files]
     present = [file if there else None for file, there in zip(files, found, strict=True)]
     study = xr.Dataset(

@@ -2,6 +2,7 @@
 
 plan.json             the cases of the last start, with the values that vary
 cases/HASH.nc         a finished case; whole, because it is moved there when it is complete
+cases/HASH.unfinished.nc   the milestones so far of a case that is computed, or was interrupted
 cases/HASH.failed     why a case failed, as JSON
 study.log             a line for every case begun and ended, by any process
 study.csv             the index, made anew from the files above
@@ -61,6 +62,15 @@ class StudyFolder:
     def result_file(self, identity: str) -> Path:
         """Return where the result of a case is, or will be."""
         return self.path / "cases" / f"{identity}.nc"
+
+    def unfinished_file(self, identity: str) -> Path:
+        """Return where the milestones of a case are until it is finished."""
+        return self.path / "cases" / f"{identity}.unfinished.nc"
+
+    def kept_file(self, identity: str) -> Path:
+        """Return where a case is: its result, or its milestones so far if there is no result."""
+        result, unfinished = self.result_file(identity), self.unfinished_file(identity)
+        return unfinished if unfinished.exists() and not result.exists() else result
 
     def failure_file(self, identity: str) -> Path:
         """Return where the reason of a failed case is."""
@@ -167,13 +177,18 @@ class StudyFolder:
         try:
             write_result(result, self.result_file(case.identity))
         except (ComputationError, InputError) as error:
-            with suppress(ComputationError):
-                self.log(NOT_WRITTEN, case, str(error))
+            self.log_not_written(case, error)
             raise
         self.failure_file(case.identity).unlink(missing_ok=True)
+        self.unfinished_file(case.identity).unlink(missing_ok=True)
         for left in (self.path / "cases").glob(f".{case.identity}.*"):
             shutil.rmtree(left, ignore_errors=True)  # a process was killed while it wrote
         self.log(DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
+
+    def log_not_written(self, case: Case, error: Exception) -> None:
+        """Log that a case could not be kept, if the log can be written."""
+        with suppress(ComputationError):
+            self.log(NOT_WRITTEN, case, str(error))
 
     def keep_failure(self, case: Case, reason: str, trace: str = "") -> None:
         """Record why a case has no result, and log it.

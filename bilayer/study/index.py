@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bilayer.errors import InputError
+from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
 from bilayer.solvers.registry import settings_kind
 from bilayer.study.folder import StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 
 DONE, STOPPED, FAILED, MISSING = "done", "stopped early", "failed", "missing"
+UNFINISHED = "unfinished"
+"""Status of a case that has some milestones, and goes on from there when it is computed again."""
 SHOWN = (
     "converged", "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height",
     "unstable_modes", "self_contact_gap", "load_steps", "iterations", "residual",
@@ -28,8 +30,8 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
     -------
     DataFrame
         A row per case and milestone: the case's hash, solver, model, the varied values,
-        `prestretch`, `status` (done, stopped early, failed, missing), scalars of the result in
-        SI units, the `reason` where something is missing, what made it, and the timings.
+        `prestretch`, `status` (done, stopped early, unfinished, failed, missing), scalars of the
+        result in SI units, the `reason` where something is missing, what made it, and the timings.
     """
     planned = folder.planned()
     rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
@@ -76,14 +78,16 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
 
 def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | None, str, str]:
     """Return what is stored of a case, its status, and the reason of it."""
-    path = folder.result_file(entry["case"])
+    path = folder.kept_file(entry["case"])
+    failure = folder.failure(entry["case"])
     if not path.exists():
-        reason = folder.failure(entry["case"])
-        return None, FAILED if reason else MISSING, reason
+        return None, FAILED if failure else MISSING, failure
     try:
         stored = read_scalars(path)
     except InputError as error:
         return None, FAILED, str(error)
+    if path == folder.unfinished_file(entry["case"]):
+        return stored, FAILED if failure else UNFINISHED, failure or INTERRUPTED
     reason = str(stored.attributes["stop_reason"])
     kind = settings_kind(entry["solver"], entry["model"])
     ended_well = bool(np.all(stored.values["converged"] == 1)) or getattr(

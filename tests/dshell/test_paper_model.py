@@ -120,7 +120,7 @@ def test_progress_runs_from_zero_to_one(coarse_specimen, coarse_mesh):
     )  # fmt: skip
     shares = [share for share, _ in seen]
     assert shares == pytest.approx(np.arange(1, 11) / 10)
-    assert seen[5][1] == "prestretch 1.0002, 20% of the ramp"
+    assert seen[5][1] == "prestretch 1.00004"
 
 
 def test_mesh_is_made_where_none_is_given(coarse_specimen, coarse_mesh):
