@@ -78,8 +78,8 @@ class StartShapes:
     def take_shapes(self, begin: Stretch, end: Stretch) -> list[ShapeOnTheWay]:
         """Return the shapes on the way from one target to the next, in their order."""
         candidates: dict[float, list[int]] = {}
-        for k, pair in enumerate(self.stretches):
-            share = share_of_way(begin, end, pair)
+        for k in range(len(self.stretches)):
+            share = share_of_way(begin, end, self.stretches[k])
             if share is not None:
                 candidates.setdefault(round(share, SAME_PLACE), []).append(k)
         taken = {share: self._next_of(same) for share, same in sorted(candidates.items())}
