@@ -29,6 +29,10 @@ class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
 
 
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, where it is taken as Ctrl-C."""
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C, when some milestones were done.
 

@@ -1,6 +1,7 @@
 """The solid of a specimen: its two layers extruded, with natural states, loads and held points."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,7 @@ from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
-from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath
+from fenics_model.path.release_path import LoadPlace, Stretch
 from fenics_model.settings import SolidSettings
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants
@@ -24,9 +25,9 @@ from fenics_model.solid.strain_energy import StrainEnergy, energy_constants
 UNSTRETCHED = (1.0, 1.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BilayerSolid:
-    """A specimen as a solid, and what of it changes along the load path.
+    """A specimen as a solid, and what of it can change.
 
     Parameters
     ----------
@@ -34,36 +35,70 @@ class BilayerSolid:
         The layers, the lower one first.
     specimen : Specimen
         Whose layers they are.
+    mesh : PlanarMesh
+        The planar mesh that is extruded.
+    settings : SolidSettings
+        How it is discretised.
     layer_names : tuple of str
-        Theirs, in the same order.
-    path : ReleasePath
-        From flat through the milestones.
-    imperfection : float
-        Acceleration at its full value, m/s2.
+        Of the layers, in the same order.
+    densities : tuple of dolfinx Constant
+        Of the layers, kg/m3.
     weight, saddle : dolfinx Constant
         The accelerations that act now.
     """
 
     solid: Solid
     specimen: Specimen
+    mesh: PlanarMesh
+    settings: SolidSettings
     layer_names: tuple[str, ...]
-    path: ReleasePath
-    imperfection: float
+    densities: tuple[fem.Constant, ...]
     weight: fem.Constant
     saddle: fem.Constant
 
-    def load(self, parameter: float) -> None:
-        """Set natural state and loads for a parameter of the path."""
-        self.prestretch(self.path.stretch(parameter))
-        self.weight.value = self.specimen.gravity * self.path.weight_fraction(parameter)
-        self.saddle.value = self.imperfection * self.path.imperfection_fraction(parameter)
+    def load(self, place: LoadPlace) -> None:
+        """Set natural states and loads for a place on the load path."""
+        self.prestretch(self.specimen, place.stretch)
+        self.weight.value = self.specimen.gravity * place.weight
+        self.saddle.value = self.settings.imperfection * place.imperfection
 
-    def prestretch(self, stretch: tuple[float, float]) -> None:
-        """Set the natural states alone."""
-        rule = self.specimen.prestretch.thickness
+    def prestretch(self, specimen: Specimen, stretch: Stretch) -> None:
+        """Set the natural states alone, those of a specimen."""
+        rule = specimen.prestretch.thickness
         for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
-            bonded = self.specimen.bonded_layer(name, stretch)
+            bonded = specimen.bonded_layer(name, stretch)
             layer.natural.value = natural_state(bonded.axial_stretch, rule)
+
+    @contextmanager
+    def made_of(self, specimen: Specimen, place: LoadPlace) -> Iterator[None]:
+        """Be another specimen of the same mesh meanwhile, then what it was before."""
+        constants = list(self._constants())
+        before = [constant.value.copy() for constant in constants]
+        try:
+            self._take_constants(specimen, place)
+            with self.solid.mesh.drawn_at(self._drawn(specimen).points):
+                yield
+        finally:
+            for constant, value in zip(constants, before, strict=True):
+                constant.value = value
+
+    def _constants(self) -> Iterator[fem.Constant]:
+        yield from (self.weight, *self.densities)
+        for layer in self.solid.layers:
+            yield layer.natural
+            yield from vars(layer.energy).values()
+
+    def _take_constants(self, specimen: Specimen, place: LoadPlace) -> None:
+        """Set natural states, weight, densities and laws to those of a specimen."""
+        self.prestretch(specimen, place.stretch)
+        self.weight.value = specimen.gravity * place.weight
+        parts = layers_on(specimen, self.mesh)
+        for part, density, layer in zip(parts, self.densities, self.solid.layers, strict=True):
+            density.value = part.layer.density
+            set_law(layer.energy, part.layer)
+
+    def _drawn(self, specimen: Specimen) -> VolumeMesh:
+        return extruded(layers_on(specimen, self.mesh), self.mesh, self.settings)
 
 
 def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
@@ -91,9 +126,7 @@ def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
         waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
         return np.stack([0 * x[0], 0 * x[0], waves])
 
-    change = fem.Function(body.solid.space)
-    change.sub(0).interpolate(lift)
-    return np.asarray(change.x.array)
+    return body.solid.interpolate(lift).values
 
 
 def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
@@ -117,25 +150,19 @@ def bilayer_solid(
     parts = layers_on(specimen, mesh)
     layered = LayeredMesh(extruded(parts, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
+    densities = tuple(_constant(layered, part.layer.density) for part in parts)
     acceleration = -weight + saddle * _saddle_shape(layered, specimen.characteristic_length)
-    layers = [_solid_layer(layered, part.layer, acceleration) for part in parts]
     solid = Solid(
         layered,
-        layers,
+        [
+            _solid_layer(layered, part.layer, density * acceleration)
+            for part, density in zip(parts, densities, strict=True)
+        ],
         pressure_scale=specimen.carrier.material.shear_modulus / specimen.carrier.thickness,
         quadrature_degree=settings.quadrature_degree,
     )
-    return BilayerSolid(
-        solid,
-        specimen,
-        tuple(part.name for part in parts),
-        ReleasePath(
-            specimen.prestretch.milestones, weight_way=WEIGHT_WAY if specimen.gravity else 0.0
-        ),
-        settings.imperfection,
-        weight,
-        saddle,
-    )
+    names = tuple(part.name for part in parts)
+    return BilayerSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
 
 
 def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
@@ -166,12 +193,12 @@ def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
 
 
-def _solid_layer(mesh: LayeredMesh, layer: Layer, acceleration: Any) -> SolidLayer:
+def _solid_layer(mesh: LayeredMesh, layer: Layer, weight_density: Any) -> SolidLayer:
+    """Return a layer under a dead force per natural volume, N/m3."""
     natural = _constant(mesh, (1.0, 1.0, 1.0))
     # det G volumes of mesh hold one natural volume, which is what the density is for
-    mass = _constant(mesh, layer.density) / (natural[0] * natural[1] * natural[2])
-    force = ufl.as_vector((0, 0, mass * acceleration))
-    return SolidLayer(strain_energy(mesh, layer), natural, force)
+    force = weight_density / (natural[0] * natural[1] * natural[2])
+    return SolidLayer(strain_energy(mesh, layer), natural, ufl.as_vector((0, 0, force)))
 
 
 def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:
@@ -179,6 +206,13 @@ def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:
     kind, values = energy_constants(layer.material)
     energy: StrainEnergy = kind(**{name: _constant(mesh, v) for name, v in values.items()})
     return energy
+
+
+def set_law(energy: StrainEnergy, layer: Layer) -> None:
+    """Give an energy made by `strain_energy` the constants of a layer's law."""
+    _, values = energy_constants(layer.material)
+    for name, value in values.items():
+        getattr(energy, name).value = value
 
 
 def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:

@@ -13,7 +13,7 @@ from fenics_model.mesh.volume_mesh import VolumeMesh
 def volume_dataset(
     volume: VolumeMesh,
     layer_names: Sequence[str],
-    positions: Sequence[NDArray[np.float64]],
+    positions: Sequence[NDArray[np.float64] | None],
     milestones: int,
 ) -> xr.Dataset:
     """Build the volume variables of a result.
@@ -24,15 +24,16 @@ def volume_dataset(
         The undeformed mesh (of the natural thickness, or the bonded one).
     layer_names : sequence of str
         Of its layers, the lower one first.
-    positions : sequence of (v, 3) array of float
-        Deformed vertices at the milestones that were reached, in order, m.
+    positions : sequence of (v, 3) array of float or None
+        Deformed vertices at the milestones in order, m; None if it was not reached.
     milestones : int
         Number of milestones; those not reached become NaN.
     """
     number = np.array([LAYERS.index(name) for name in layer_names])
     reached = np.full((milestones, *volume.points.shape), np.nan)
     for row, position in zip(reached, positions, strict=False):
-        row[:] = position
+        if position is not None:
+            row[:] = position
     on_nodes = {"units": "m", "mesh": "volume", "location": "node"}
     on_cells = {"mesh": "volume", "location": "volume"}
     return xr.Dataset(

@@ -1,0 +1,111 @@
+"""The parameters of a specimen by name, for derivatives: how each is changed a little.
+
+- `prestretch`: both stretches together; `prestretch.x`, `prestretch.y`: one of them
+- `gravity`: the acceleration of the true weight, m/s2
+- `LAYER.thickness`: the natural thickness of a layer, m
+- `LAYER.density`: kg/m3
+- `LAYER.material.CONSTANT`: a constant of its law, such as `substrate.material.C10`, Pa
+
+`central_difference` differentiates whatever is a smooth function of specimen and prestretch. Such
+a function is computed without iteration, so its noise is round-off alone.
+"""
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.specimen.specimen import LAYERS, Specimen
+
+Stretch = tuple[float, float]
+
+RELATIVE_CHANGE = 1e-5
+"""Of a parameter: the difference errs by its square and by round-off over it, about 1e-10."""
+
+
+def central_difference(
+    value: Callable[[Specimen, Stretch], NDArray[np.float64]],
+    specimen: Specimen,
+    stretch: Stretch,
+    parameter: str,
+) -> NDArray[np.float64]:
+    """Return the derivative of a function by a parameter.
+
+    Parameters
+    ----------
+    value : callable
+        Takes a specimen and its prestretch.
+    specimen, stretch
+        Where it is differentiated.
+    parameter : str
+        See the module.
+
+    Raises
+    ------
+    InputError
+        The specimen has no such parameter.
+    """
+    change = RELATIVE_CHANGE * parameter_scale(specimen, stretch, parameter)
+    above, below = (
+        value(*changed(specimen, stretch, parameter, sign * change)) for sign in (1.0, -1.0)
+    )
+    return np.asarray((above - below) / (2 * change))
+
+
+def parameter_scale(specimen: Specimen, stretch: Stretch, parameter: str) -> float:
+    """Return the size that a change of a parameter is measured by: its value, 1 where that is 0."""
+    value = parameter_value(specimen, stretch, parameter)
+    return abs(value) if value else 1.0
+
+
+def parameter_value(specimen: Specimen, stretch: Stretch, parameter: str) -> float:
+    """Return a parameter; that of `prestretch` is the larger stretch."""
+    match parameter.split("."):
+        case ["prestretch"]:
+            return max(stretch)
+        case ["prestretch", ("x" | "y") as axis]:
+            return stretch["xy".index(axis)]
+        case ["gravity"]:
+            return specimen.gravity
+        case [layer, ("thickness" | "density") as name] if layer in LAYERS:
+            return float(getattr(getattr(specimen, layer), name))
+        case [layer, "material", name] if layer in LAYERS:
+            material = getattr(specimen, layer).material
+            if name in _constants(material):
+                return float(getattr(material, name))
+    raise InputError(
+        f"parameter = {parameter!r}: expected prestretch, prestretch.x, prestretch.y, gravity, or "
+        f"LAYER.thickness, LAYER.density or LAYER.material.CONSTANT with a layer of {list(LAYERS)}"
+    )
+
+
+def changed(
+    specimen: Specimen, stretch: Stretch, parameter: str, change: float
+) -> tuple[Specimen, Stretch]:
+    """Return a specimen and its prestretch with a parameter changed by so much."""
+    value = parameter_value(specimen, stretch, parameter) + change
+    match parameter.split("."):
+        case ["prestretch"]:
+            return specimen, (stretch[0] + change, stretch[1] + change)
+        case ["prestretch", axis]:
+            return specimen, (value, stretch[1]) if axis == "x" else (stretch[0], value)
+        case ["gravity"]:
+            return replace(specimen, gravity=value), stretch
+        case [layer, "material", name]:
+            material = replace(getattr(specimen, layer).material, **{name: value})
+            return _with_layer(specimen, layer, material=material), stretch
+        case [layer, name]:
+            return _with_layer(specimen, layer, **{name: value}), stretch
+    raise AssertionError(parameter)
+
+
+def _constants(material: Any) -> list[str]:
+    return [field.name for field in fields(material) if field.init]
+
+
+def _with_layer(specimen: Specimen, name: str, **changes: Any) -> Specimen:
+    layer = replace(getattr(specimen, name), **changes)
+    return replace(specimen, **{name: layer})
