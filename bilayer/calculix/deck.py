@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from bilayer.calculix.drawn_layer import INTERFACE, DrawnLayer, draw_layer, natural_scale
 from bilayer.calculix.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.errors import InputError
+from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
@@ -352,12 +353,12 @@ def _step(
 def _saddle_load(
     specimen: Specimen, mesh: PlanarMesh, parts: tuple[_Part, _Part], acceleration: float
 ) -> Iterator[str]:
-    """Yield forces on the substrate's mass, as (X^2 - Y^2) / R^2, where no node is eliminated."""
+    """Yield forces on the substrate's mass where no node is eliminated, see `SaddleLoad`."""
     eliminated, kept = (part.nodes(INTERFACE)[: len(mesh.points)] for part in parts)
     substrate = specimen.carrier
     mass = substrate.density * substrate.thickness * flat_surface(mesh).node_areas
-    x, y = mesh.points.T / specimen.characteristic_length
-    forces = mass * acceleration * (x**2 - y**2)
+    saddle = SaddleLoad.on_points(mesh.points, mass, specimen.characteristic_length)
+    forces = mass * acceleration * saddle.at(*mesh.points.T)
     yield "*CLOAD, AMPLITUDE=VANISHING"
     for node, force in zip(np.where(kept > 0, kept, eliminated), forces, strict=True):
         yield f"{node}, 3, {force:.6e}"
@@ -369,5 +370,5 @@ def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
     The substrate's nodes that do are eliminated.
     """
     carrying = np.unique(mesh.triangles[mesh.faces_of(KIRIGAMI_LAYER)])
-    a, b, c = carrying[list(support(mesh.points[carrying], gravity))]
+    a, b, c = carrying[list(support(mesh.points[carrying], mesh.centroid, gravity))]
     return int(a), int(b), int(c)

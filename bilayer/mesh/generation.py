@@ -15,6 +15,7 @@ import psutil
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError, InputError
+from bilayer.mesh.layering import check_layering
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.outline import Disc
 from bilayer.specimen.pattern import CutPattern
@@ -116,15 +117,17 @@ def mesh_within_memory(
     Raises
     ------
     InputError
-        There is less memory than needed.
+        There is less memory than needed, or the layers do not lie on each other everywhere.
     ComputationError
         gmsh is not there, or fails.
     """
     if mesh is None:
         check_memory(specimen, bytes_per_triangle, what)
-        return generate_mesh(specimen)
-    count = len(mesh.triangles)
-    _check_available(f"mesh: its {count}", count * bytes_per_triangle, what)
+        mesh = generate_mesh(specimen)
+    else:
+        count = len(mesh.triangles)
+        _check_available(f"mesh: its {count}", count * bytes_per_triangle, what)
+    check_layering(specimen, mesh)
     return mesh
 
 

@@ -96,9 +96,15 @@ class PlanarMesh:
         return np.unique(self.boundary_edges)
 
     @cached_property
+    def centroid(self) -> NDArray[np.float64]:
+        """Centre of the sheet's area, m, shape (2,)."""
+        centres = self.points[self.triangles].mean(axis=1)
+        return np.average(centres, axis=0, weights=self.areas)
+
+    @cached_property
     def centre_node(self) -> int:
-        """The node nearest to the origin."""
-        return int(np.argmin(np.einsum("ij,ij->i", self.points, self.points)))
+        """The node nearest to the centroid."""
+        return int(np.argmin(np.linalg.norm(self.points - self.centroid, axis=1)))
 
     @property
     def _corner_pairs(self) -> NDArray[np.int64]:

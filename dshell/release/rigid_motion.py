@@ -26,7 +26,7 @@ def held_nodes(mesh: PlanarMesh) -> HeldNodes:
 
 def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
     """Return the nodes where a specimen is held: see `bilayer.specimen.support`."""
-    return clamped_at_centre(mesh.points) if specimen.gravity else held_nodes(mesh)
+    return clamped_at_centre(mesh.points, mesh.centroid) if specimen.gravity else held_nodes(mesh)
 
 
 def held_coordinates(nodes: HeldNodes) -> NDArray[np.int64]:

@@ -14,6 +14,7 @@ from bilayer.results.starting import began, described
 from bilayer.solvers.contract import Start
 from bilayer.specimen.specimen import Specimen
 from fenics_model.release.solid_path import SolidPath
+from fenics_model.release.specimen_solid import elements_through
 from fenics_model.settings import BYTES_PER_TRIANGLE, SolidSettings
 
 
@@ -47,17 +48,13 @@ def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:
     return made
 
 
-def _make_mesh(
-    specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings
-) -> PlanarMesh:
-    elements = settings.substrate_elements + settings.kirigami_elements
+def _make_mesh(specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings) -> PlanarMesh:
+    elements = sum(elements_through(name, specimen, settings) for name in specimen.layer_names)
     needed = BYTES_PER_TRIANGLE * elements / 2
     return mesh_within_memory(specimen, mesh, needed, "the finite-element model")
 
 
-def _make_start(
-    start: Start, mesh: PlanarMesh, comm: MPI.Comm
-) -> tuple[xr.Dataset | None, str]:
+def _make_start(start: Start, mesh: PlanarMesh, comm: MPI.Comm) -> tuple[xr.Dataset | None, str]:
     """Return a start, made if it is not there yet, and a line about it."""
     if start is None or isinstance(start, xr.Dataset):
         return start, began(start)
