@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.result import SAME_STRETCH, result_mesh
+from bilayer.results.milestones import along_milestones
+from bilayer.results.schema import SAME_STRETCH, result_mesh
+from bilayer.results.table import stretches
 
 Array = NDArray[np.float64]
 Stretch = tuple[float, float]
@@ -61,6 +63,7 @@ class StartShapes:
         InputError
             It is on another planar mesh, or reached no milestone.
         """
+        start = along_milestones(start)
         if not result_mesh(start).same_as(mesh):
             raise InputError(
                 f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of "
@@ -70,8 +73,7 @@ class StartShapes:
         reached = start["converged"].values == 1
         if not reached.any():
             raise InputError("start: has no converged milestone, expected at least one")
-        pairs = np.column_stack([start["prestretch_x"].values, start["prestretch_y"].values])
-        return cls(pairs[reached], start["position"].values[reached])
+        return cls(stretches(start)[reached], start["position"].values[reached])
 
     def take_shapes(self, begin: Stretch, end: Stretch) -> list[ShapeOnTheWay]:
         """Return the shapes on the way from one target to the next, in their order."""
@@ -92,8 +94,13 @@ class StartShapes:
         return next((k for k in same if k > self.last), same[-1])
 
     def take_nearest(self, target: Stretch) -> ShapeOnTheWay:
-        """Return the shape of the nearest prestretch, to stand in for that at a target."""
-        nearest = int(np.argmin(np.abs(self.stretches.max(axis=1) - max(target))))
+        """Return the shape of the nearest prestretch, to stand in for that at a target.
+
+        Nearest in the larger stretch, then in both; the first of those that are as near.
+        """
+        larger = np.abs(self.stretches.max(axis=1) - max(target))
+        both = np.abs(self.stretches - target).max(axis=1)
+        nearest = int(np.lexsort((both, larger))[0])
         self.last = max(self.last, nearest)
         return ShapeOnTheWay(0.0, self.positions[nearest])
 

@@ -96,7 +96,7 @@ def changed(
         case ["gravity"]:
             return replace(specimen, gravity=value), stretch
         case [layer, "material", name]:
-            material = replace(specimen.layer(layer).material, **{name: value})
+            material: Any = replace(specimen.layer(layer).material, **{name: value})  # type: ignore[type-var]
             return specimen.with_layer(layer, material=material), stretch
         case [layer, name]:
             return specimen.with_layer(layer, **{name: value}), stretch
@@ -104,4 +104,9 @@ def changed(
 
 
 def _constants(material: Any) -> list[str]:
-    return [field.name for field in fields(material) if field.init]
+    """Return the names of those constants that are single numbers."""
+    return [
+        field.name
+        for field in fields(material)
+        if field.init and isinstance(getattr(material, field.name), float)
+    ]

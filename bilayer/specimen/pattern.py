@@ -32,7 +32,7 @@ class Pattern(Protocol):
         share = kept_share(self, outline)
         if not 1e-9 < share < 1 - 1e-9:
             what = "all" if share > 0.5 else "none"
-            raise InputError(f"pattern: it keeps {what} of the outline, expected a part of it")
+            raise InputError(f"kept = {what} of the outline: expected a part of it")
 
     @property
     def symmetry(self) -> Symmetry:

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import tomli_w
 
 from bilayer.errors import InputError
-from bilayer.specimen.toml import toml_value
+from bilayer.specimen.overrides import toml_value
 from bilayer.validation import nearest
 
 Settings = TypeVar("Settings")

@@ -88,12 +88,10 @@ class Specimen:
         object.__setattr__(self, "name", text("specimen.name", self.name))
         for layer in self.layers:
             if layer.pattern is not None:
-                with fields_of(f"layers.{layer.name}"):
+                with fields_of(f"layers.{layer.name}.pattern"):
                     layer.pattern.check_fit(self.outline)
         if self.mesh.size > self.characteristic_length:
-            raise InputError(
-                f"mesh.size = {self.mesh.size} m: expected at most {_length_of(self.outline)}"
-            )
+            raise InputError(f"mesh.size = {self.mesh.size} m: expected at most {self.length_text}")
         for layer in self.layers:
             for milestone in self.prestretch.milestones:
                 layer.response.axial(milestone)
@@ -102,6 +100,19 @@ class Specimen:
     def characteristic_length(self) -> float:
         """Radius of the circle of the outline's area, m; of a disc its radius."""
         return self.outline.characteristic_length
+
+    @property
+    def length_text(self) -> str:
+        """What a message calls the characteristic length."""
+        if isinstance(self.outline, Disc):
+            return f"specimen.outer_radius = {self.outline.radius} m"
+        shape = type(self.outline).__name__
+        return f"a {shape} of the characteristic length {self.characteristic_length:.6g} m"
+
+    @property
+    def sheet(self) -> shapely.Geometry:
+        """The part of the outline where any layer lies, m."""
+        return shapely.union_all([self.region_of(name) for name in self.layer_names])
 
     @property
     def layer_names(self) -> tuple[str, ...]:
@@ -245,9 +256,3 @@ def _checked_layers(layers: Any) -> tuple[Layer, ...]:
     if twice:
         raise InputError(f"layers: {twice[0]!r} is the name of two, expected one of its own each")
     return given
-
-
-def _length_of(outline: Outline) -> str:
-    if isinstance(outline, Disc):
-        return f"specimen.outer_radius = {outline.radius} m"
-    return f"the sheet's characteristic length, {outline.characteristic_length:.6g} m"

@@ -4,81 +4,80 @@ That takes the rigid motion away and nothing else. Loads in balance leave nothin
 three nodes do that span an angle. A weight is carried there, and it matters where: a weighted body
 is held at its centre, as if clamped there, by the three nodes nearest to it, so that no part far
 from the centre is lifted, and the tangent plane of the centre stays level as far as the mesh tells.
-A sheet with a hole in its middle is held around that hole.
+A sheet with a hole in its middle is held at the edge of the hole.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
+
 Array = NDArray[np.float64]
+Place = tuple[float, float] | Array
+
 HeldNodes = tuple[int, int, int]
 """The one held in x, y and z, the one along x from it held in y and z, and the one held in z."""
 
-LEAST_LEVER = 0.25
-"""Distance of the held nodes from each other, at least, over what is asked for."""
+LEAST_SINE = 0.3
+"""Of the angle between the arms to the two other nodes, and of the first arm with the y axis."""
+ORIGIN: Place = (0.0, 0.0)
 
 
-def support(points: Array, centre: Array, gravity: float) -> HeldNodes:
+def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
     """Choose where a body is held, by whether it has a weight; see the module.
 
     Parameters
     ----------
     points : (n, 2) array of float
         Nodes of the flat state, m.
-    centre : (2,) array of float
-        The centre of its area, m.
     gravity : float
         Acceleration of the weight, m/s2.
+    centre : (float, float)
+        Centroid of the sheet, m.
     """
     return clamped_at_centre(points, centre) if gravity else held_upright(points, centre)
 
 
-def held_upright(points: Array, centre: Array) -> HeldNodes:
+def held_upright(points: Array, centre: Place = ORIGIN) -> HeldNodes:
     """Choose the node nearest to the centre and those a third of the radius away along x and y.
 
     Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
     """
-    return _held_around(points, centre, np.linalg.norm(_arms(points, centre), axis=1).max() / 3)
+    arms = _arms(points, centre)
+    return _held_at(arms, np.linalg.norm(arms, axis=1).max() / 3)
 
 
-def clamped_at_centre(points: Array, centre: Array) -> HeldNodes:
+def clamped_at_centre(points: Array, centre: Place = ORIGIN) -> HeldNodes:
     """Choose the node nearest to the centre and its neighbours along x and y."""
-    return _held_around(points, centre, _spacing(_arms(points, centre)))
+    arms = _arms(points, centre)
+    return _held_at(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
 
 
-def _arms(points: Array, centre: Array) -> Array:
+def _arms(points: Array, centre: Place) -> Array:
     """Return the ways to all nodes from the one nearest to the centre, m."""
     return points - points[np.argmin(np.linalg.norm(points - centre, axis=1))]
 
 
-def _spacing(arms: Array) -> float:
-    """Return how far the nearest neighbour is, m."""
-    return float(np.partition(np.linalg.norm(arms, axis=1), 1)[1])
+def _held_at(arms: Array, reach: float) -> HeldNodes:
+    """Return the node of no arm and those whose arms are about `reach` long along x and y."""
+    first = int(np.argmin(np.linalg.norm(arms, axis=1)))
+    along = _nearest(arms, (reach, 0.0), (0.0, 1.0))
+    across = _nearest(arms, (0.0, reach), arms[along])
+    return first, along, across
 
 
-def _held_around(points: Array, centre: Array, reach: float) -> HeldNodes:
-    """Choose nodes that far apart from the centre, or around the hole that it lies in."""
-    arms = _arms(points, centre)
-    hole = float(np.linalg.norm(points - centre, axis=1).min())
-    if hole > _spacing(arms):
-        arms, reach = points - centre, max(reach, hole)
-        return _held_at(arms, [(-reach, 0.0), (reach, 0.0), (0.0, reach)])
-    return _held_at(arms, [(0.0, 0.0), (reach, 0.0), (0.0, reach)])
+def _nearest(arms: Array, target: Place, aside: Place) -> int:
+    """Return the node whose arm ends nearest to a target, of those not nearly along a direction.
 
-
-def _held_at(arms: Array, targets: list[tuple[float, float]]) -> HeldNodes:
-    """Choose the nodes nearest to three places that can hold a body."""
-    least = LEAST_LEVER * (targets[1][0] - targets[0][0])
-    first = int(np.argmin(np.linalg.norm(arms - targets[0], axis=1)))
-    arms, places = arms - arms[first], np.subtract(targets, arms[first])
-    second = _nearest(arms, places[1], np.abs(arms[:, 0]), least)
-    x, y = arms[second] / np.linalg.norm(arms[second])
-    third = _nearest(arms, places[2], np.abs(x * arms[:, 1] - y * arms[:, 0]), least)
-    return first, second, third
-
-
-def _nearest(arms: Array, place: Array, lever: Array, least: float) -> int:
-    """Return the node nearest to a place of those that have a lever of at least so much, m."""
-    distance = np.linalg.norm(arms - place, axis=1)
-    distance[lever < min(least, lever.max())] = np.inf
-    return int(np.argmin(distance))
+    If all are, as on a thin strip, return the one that reaches farthest from the direction.
+    """
+    x, y = np.divide(aside, np.linalg.norm(aside))
+    sideways = np.abs(arms[:, 0] * y - arms[:, 1] * x)
+    length = np.linalg.norm(arms, axis=1)
+    spans = (sideways >= LEAST_SINE * length) & (length > 0)
+    if not spans.any():
+        if sideways.max() <= 1e-9 * length.max():
+            raise InputError("points: all lie on a line, expected a sheet")
+        return int(np.argmax(sideways))
+    distance = np.linalg.norm(arms - target, axis=1)
+    return int(np.argmin(np.where(spans, distance, np.inf)))

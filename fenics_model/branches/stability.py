@@ -4,7 +4,7 @@ At a stable equilibrium the mixed tangent has one negative pivot for each pressu
 minimal in the displacements, maximal in the pressures); every further one is an unstable mode.
 """
 
-from bilayer.results.result import UNKNOWN_STABILITY
+from bilayer.results.schema import UNKNOWN_STABILITY
 from fenics_model.solve.factors import Factors
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bilayer.errors import ComputationError
-from bilayer.results.result import UNKNOWN_STABILITY
+from bilayer.results.schema import UNKNOWN_STABILITY
 from fenics_model.branches.branch_search import BranchSearch, Departure
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.path.guide import Guide

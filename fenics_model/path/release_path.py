@@ -114,7 +114,7 @@ class ReleasePath:
         return float(x), float(y)
 
     def weight_fraction(self, parameter: float) -> float:
-        """Return the part of the true weight that acts: it grows to 1 before the prestretch does."""
+        """Return the part of the true weight that acts; it grows to 1 before the prestretch."""
         way = self._ends[1]
         return min(1.0, parameter / way) if way > 0 else 1.0
 

@@ -77,9 +77,7 @@ class SavedPath:
     def restore(self, continuation: Continuation, guide: Guide) -> None:
         """Put continuation and guide where they were."""
         continuation.predictor = Predictor(self.equilibria)
-        continuation.control = replace(
-            continuation.control, size=self.step, failures=self.failures
-        )
+        continuation.control = replace(continuation.control, size=self.step, failures=self.failures)
         guide.restore(self.defects, self.is_trusted, self.left)
 
     def as_arrays(self, numbering: Numbering) -> dict[str, NDArray[np.generic]]:

@@ -178,7 +178,7 @@ class SolidPath:
         self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
-        self._nodes = support(mesh.points, mesh.centroid, specimen.gravity)
+        self._nodes = support(mesh.points, specimen.gravity, mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
             self._guide = self._make_guide()
@@ -272,9 +272,11 @@ class SolidPath:
         if here < self.loads.end:
             self.loads.leave_at(here)
         begin, goal = self.loads.last, self.loads.add_target(target)
-        if self.loads.turns_back:
+        shapes = self._shapes_between(begin, target, goal)
+        if self.loads.turns_back:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
-        self._guide.lead_along(self._shapes_between(begin, target, goal))
+            shapes = {}
+        self._guide.lead_along(shapes)
         for point in self._continuation.approach(goal):
             yield SolidEquilibrium(self, point)
 

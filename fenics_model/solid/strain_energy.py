@@ -9,13 +9,14 @@ The energies are mixed: p is an unknown of its own, whose stationarity gives p =
 p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, Protocol
 
 import ufl
 
-from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin
+from bilayer.specimen.materials import Hyperelastic, Law, LinearElastic
 
 
 class StrainEnergy(Protocol):
@@ -38,26 +39,44 @@ class StrainEnergy(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class MooneyRivlinEnergy:
-    """W = C10 (I1bar - 3) + C01 (I2bar - 3) + p (J - 1) - p^2 D1 / 4.
+class UFLFunctions:
+    """`bilayer.specimen.materials.Functions` of UFL expressions."""
 
-    The convention of Abaqus, whose U = (J - 1)^2 / D1 is regained by p = 2 (J - 1) / D1. The
-    constants may be floats or UFL constants; units Pa and 1/Pa.
+    def log(self, x: Any, /) -> Any:
+        """Return the natural logarithm."""
+        return ufl.ln(x)
+
+    def sqrt(self, x: Any, /) -> Any:
+        """Return the square root."""
+        return ufl.sqrt(x)
+
+    def exp(self, x: Any, /) -> Any:
+        """Return the exponential."""
+        return ufl.exp(x)
+
+
+@dataclass(frozen=True)
+class HyperelasticEnergy:
+    """W = w(I1, I2) + p (J - 1) - p^2 D1 / 4, w the law's own energy of the isochoric invariants.
+
+    The convention of Abaqus, whose U = (J - 1)^2 / D1 is regained by p = 2 (J - 1) / D1.
+
+    Parameters
+    ----------
+    law : Hyperelastic
+        With numbers, or with UFL constants in their place.
     """
 
-    c10: Any
-    c01: Any
-    d1: Any
+    law: Hyperelastic
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
         G = natural_tensor(natural)
         B, Je = G * G, J * ufl.det(G)
-        I1, I2 = ufl.inner(C, B), ufl.inner(ufl.cofac(C), ufl.cofac(B))
+        I1, I2 = ufl.inner(C, B), ufl.inner(ufl.cofac(C), ufl.cofac(B))  # of Ce = G C G
         k = ufl.exp(-2 / 3 * ufl.ln(Je))
-        isochoric = self.c10 * (k * I1 - 3) + self.c01 * (k * k * I2 - 3)
-        volumetric = pressure * (Je - 1) - pressure**2 * self.d1 / 4
+        isochoric = self.law.energy(k * I1, k * k * I2, UFLFunctions())
+        volumetric = pressure * (Je - 1) - pressure**2 * self.law.d1 / 4
         return (isochoric + volumetric) / ufl.det(G)
 
 
@@ -118,16 +137,22 @@ def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> 
 
 
 @singledispatch
-def energy_constants(law: Law) -> tuple[type, dict[str, float]]:
-    """Return the energy of a law and the values of its constants."""
+def energy_constants(law: Law) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
+    """Return what makes the energy of a law of its constants, and their values.
+
+    The values are numbers or tuples of them; UFL constants may be given in their place.
+    """
     raise NotImplementedError(f"no strain energy for {type(law).__name__}")
 
 
 @energy_constants.register
-def _(law: MooneyRivlin) -> tuple[type, dict[str, float]]:
-    return MooneyRivlinEnergy, {"c10": law.c10, "c01": law.c01, "d1": law.d1}
+def _(law: Hyperelastic) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
+    def energy(**constants: Any) -> StrainEnergy:
+        return HyperelasticEnergy(law.with_symbols(constants))
+
+    return energy, law.numbers()
 
 
 @energy_constants.register
-def _(law: LinearElastic) -> tuple[type, dict[str, float]]:
+def _(law: LinearElastic) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
     return LinearEnergy, {"shear_modulus": law.shear_modulus, "compliance": 1 / law.bulk_modulus}

@@ -29,7 +29,7 @@ from dshell.energies.through_thickness import PROFILES
 from dshell.models.hinge_rest_state import specimen_sections
 from dshell.models.morley import specimen_layers
 from dshell.release.rigid_motion import held_coordinates, held_nodes
-from verification.meshes import rectangle
+from verification.meshes import outline_of, rectangle
 from verification.shell_problem import Problem, nodes_of, plate
 
 SUBSTRATE = Layer("substrate", 1e-3, MooneyRivlin(4839.1, 14_536.0))
@@ -222,7 +222,8 @@ def flexure(stretch: float, profile="linear", cells: int = 40) -> tuple[float, f
 
 def hinge_curvature(mesh: PlanarMesh, stretch: float = 1.0005) -> float:
     """Curvature of a uniform bilayer of hinges, by a paraboloid, over laminate theory's."""
-    specimen = ladder_disc().with_milestones([stretch])
+    sheet = replace(ladder_disc(), outline=outline_of(mesh))
+    specimen = sheet.with_milestones([stretch])
     shape = solve(specimen, "dshell", HingeSettings(), mesh=mesh).position.values[0]
     x, y, z = shape.T
     terms = np.column_stack([np.ones_like(x), x, y, x**2 + y**2])
