@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError, NotEnoughMemoryError
 from bilayer.mesh.agreement import check_agreement
+from bilayer.mesh.bonding import check_bonding
 from bilayer.mesh.divided_sheet import DividedSheet
 from bilayer.mesh.drawing import TRIANGLES_PER_AREA, Drawing
 from bilayer.mesh.gmsh_session import gmsh_session
@@ -85,16 +86,18 @@ def mesh_within_memory(
     NotEnoughMemoryError
         There is less memory than needed.
     InputError
-        The mesh is not one of the specimen.
+        The mesh is not one of the specimen, or its layers are not bonded to each other everywhere.
     ComputationError
         gmsh is not there, or fails.
     """
     if mesh is None:
         check_memory(specimen, bytes_per_triangle, what, available)
-        return generate_mesh(specimen)
-    check_agreement(specimen, mesh)
-    count = len(mesh.triangles)
-    _check_available(f"mesh: its {count}", count * bytes_per_triangle, what, available)
+        mesh = generate_mesh(specimen)
+    else:
+        check_agreement(specimen, mesh)
+        count = len(mesh.triangles)
+        _check_available(f"mesh: its {count}", count * bytes_per_triangle, what, available)
+    check_bonding(specimen, mesh)
     return mesh
 
 

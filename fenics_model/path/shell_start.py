@@ -37,7 +37,7 @@ def settle(
     here = solid.function_of(guess)
     interface = [
         fem.dirichletbc(
-            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.interface)
+            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.reference_surface)
         )
         for axis in range(3)
     ]
@@ -114,20 +114,34 @@ class Extrusion:
         return [fem.form(integral, jit_options=JIT_OPTIONS) for integral in sums]
 
 
+def bonded_heights(solid: Solid) -> NDArray[np.float64]:
+    """Return the height of each level of the mesh in the flat bonded state, m, (levels,)."""
+    volume = solid.mesh.volume
+    shrinking = np.array([1 / _determinant(layer.natural.value) for layer in solid.layers])
+    steps = np.diff(volume.heights) * shrinking[volume.layer_between]
+    heights = np.concatenate([[0.0], np.cumsum(steps)])
+    return np.asarray(heights - heights[volume.reference_level])
+
+
+def _determinant(natural: NDArray[np.float64]) -> float:
+    """Return det G of a natural state, see `strain_energy.natural_tensor`."""
+    x, shear, y, thickness = natural
+    return float((x * y - shear * shear) * thickness)
+
+
 class _Fibres:
-    """The normals of the deformed interface, along which the layers' vertices lie."""
+    """The normals of the deformed surface, along which the layers' vertices lie."""
 
     def __init__(self, solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
         volume = solid.mesh.volume
         self._surface = shape
         self._normal, area_stretch = _normals_and_stretch(mesh, shape)
+        level, node = np.nonzero(volume.vertex_at >= 0)
+        vertex = volume.vertex_at[level, node]
         self._node = np.empty(len(volume.points), dtype=np.int64)
-        _, nodes = np.nonzero(volume.vertex_at >= 0)
-        self._node[volume.vertex_at[volume.vertex_at >= 0]] = nodes
-        ratios = [1 / np.prod(layer.natural.value) for layer in solid.layers]  # bonded over drawn
-        z = volume.points[:, 2]
-        bonded = z * np.where(z < 0, ratios[0], ratios[-1])
-        self._offset = bonded / area_stretch[self._node]
+        self._node[vertex] = node
+        self._offset = np.empty(len(volume.points))
+        self._offset[vertex] = bonded_heights(solid)[level] / area_stretch[node]
 
     def at_vertices(self, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
         """Deformed positions of vertices, m."""

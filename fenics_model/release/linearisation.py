@@ -81,4 +81,4 @@ class SolidLinearisation:
 
     @property
     def _interface(self) -> NDArray[np.int64]:
-        return self._numbering.displacements_at(self._body.solid.mesh.volume.interface)
+        return self._numbering.displacements_at(self._body.solid.mesh.volume.reference_surface)

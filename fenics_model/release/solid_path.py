@@ -116,7 +116,7 @@ class SolidEquilibrium:
     @property
     def position(self) -> Array:
         """The interface on the nodes of the planar mesh, m, (n, 3)."""
-        return self.vertices[self._body.solid.mesh.volume.interface]
+        return self.vertices[self._body.solid.mesh.volume.reference_surface]
 
     @property
     def energy(self) -> Mapping[str, float]:
@@ -178,7 +178,7 @@ class SolidPath:
         self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
-        self._nodes = support(mesh.points, specimen.gravity)
+        self._nodes = support(mesh.points, specimen.gravity, mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
             self._guide = self._make_guide()
@@ -237,7 +237,7 @@ class SolidPath:
             self._newton,
             flow,
             first_distance=FIRST_DISTANCE * substrate.thickness,
-            side=uneven_lift(self.body, radius),
+            side=uneven_lift(self.body),
             rule=SearchRule(choice=settings.branch),
         )
 

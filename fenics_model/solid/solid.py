@@ -33,8 +33,8 @@ class SolidLayer:
     ----------
     energy : StrainEnergy
         The law.
-    natural : dolfinx Constant of shape (3,)
-        The natural state (lx, ly, s) of `strain_energy`; its value may change along a load path.
+    natural : dolfinx Constant of shape (4,)
+        See `strain_energy.natural_tensor`; its value may change along a load path.
     body_force : UFL vector
         Dead force per volume of the mesh, N/m3.
     """

@@ -34,7 +34,7 @@ STEP = 2e-3
 def strained_solid(materials: Sequence[Law]) -> tuple[Solid, State]:
     """Two layers, the lower one prestretched, and a smooth, uneven state of finite strain."""
     solid = solid_of(stacked(rectangle(3e-3, 2e-3, 3, 2), [1e-3, 1e-3]), materials)
-    solid.layers[0].natural.value = (1.1, 1.05, 1.0)
+    solid.layers[0].natural.value = (1.1, 0.02, 1.05, 1.0)
     return solid, solid.interpolate(_uneven, _uneven_pressure, _uneven_pressure)
 
 

@@ -34,7 +34,8 @@ def solve_block(solid, natural, sides):
 
     A side is the axis, x or y, along which the block is held at SIDE, too.
     """
-    solid.layers[0].natural.value = natural
+    x, y, thickness = natural
+    solid.layers[0].natural.value = (x, 0.0, y, thickness)
     held = [held_where(solid, 2, lambda x: np.isclose(x[2], 0))]
     for axis in range(2):
         places = (0.0, SIDE) if axis in sides else (0.0,)
