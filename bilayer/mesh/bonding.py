@@ -7,6 +7,29 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 
 
+def check_bonding(specimen: Specimen, mesh: PlanarMesh) -> None:
+    """Raise InputError unless each triangle has layers without a gap, and the reference surface.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        Its layers, from the bottom up.
+    mesh : PlanarMesh
+        Which of them lie on each triangle.
+    """
+    check_no_gap(specimen, mesh)
+    surface, names = specimen.reference_surface, specimen.layer_names
+    number = names.index(surface.layer)
+    at_its_sides = {0.0: names[max(number - 1, 0) : number + 1], 1.0: names[number : number + 2]}
+    bounded = at_its_sides.get(surface.share, (surface.layer,))
+    without = [not mesh.layer_sets[region].intersection(bounded) for region in mesh.region]
+    if any(without):
+        raise InputError(
+            f"layers.{surface.layer}.pattern: it is cut away on {sum(without)} triangles, expected "
+            f"the reference surface, {surface}, everywhere on the sheet"
+        )
+
+
 def check_no_gap(specimen: Specimen, mesh: PlanarMesh) -> None:
     """Raise InputError if a layer is cut away somewhere between two layers that lie there.
 

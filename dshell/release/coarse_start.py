@@ -88,7 +88,7 @@ def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
     centre = coarse.centroid
     share = (1 - 1e-9) * _share_within_hull(coarse.points - centre, fine, centre)
     surface = SmoothSurface(coarse, shape).at(centre + share * (fine.points - centre))
-    grown: Array = surface / share
+    grown: Array = np.divide(surface, share)
     return grown
 
 
