@@ -6,10 +6,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.specimen.layer import BondedLayer
+from bilayer.specimen.outline import OUTLINES, Disc
 from bilayer.specimen.pattern import CutPattern, Pattern
 from bilayer.specimen.specimen import Specimen
 
@@ -46,8 +49,8 @@ def provenance(result: xr.Dataset) -> str:
     cuts = [layer.pattern for layer in specimen.layers if layer.pattern is not None]
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: radius {1e3 * specimen.characteristic_length:g} mm, "
-        + ("uncut" if not cuts else _cut(cuts[0])),
+        f"specimen    {specimen.name}: {_outline(specimen)}, "
+        + ("; ".join(dict.fromkeys(map(_cut, cuts))) or "uncut"),
         *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -97,7 +100,10 @@ def trust(result: xr.Dataset) -> str:
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}{missing}"
+    return (
+        f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}"
+        f"{_trust_as_shell(result)}{missing}"
+    )
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -131,8 +137,28 @@ def _trust_without_contact(result: xr.Dataset) -> str:
     )
 
 
+def _trust_as_shell(result: xr.Dataset) -> str:
+    """Say that the sheet is too thick for a shell, or nothing."""
+    specimen = result_specimen(result)
+    if result.attrs["solver"] != "dshell" or not is_thick(specimen):
+        return ""
+    return (
+        f" The sheet is TOO THICK FOR A SHELL: its whole thickness is "
+        f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
+        f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
+    )
+
+
 def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
+
+
+def _outline(specimen: Specimen) -> str:
+    radius = f"radius {1e3 * specimen.characteristic_length:g} mm"
+    if isinstance(specimen.outline, Disc):
+        return radius
+    kind = next(name for name, kind in OUTLINES.items() if isinstance(specimen.outline, kind))
+    return f"{kind} of the area of a disc of {radius}"
 
 
 def _cut(cut: Pattern) -> str:
@@ -153,5 +179,12 @@ def _layers(specimen: Specimen) -> list[str]:
         )
         if part.layer.is_stretched:
             line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
-        lines.append(f"{line}, {'above' if part.is_above else 'below'}")
+        lines.append(f"{line}, {_side(part)}")
     return lines
+
+
+def _side(part: BondedLayer) -> str:
+    """Say where a layer lies, seen from the reference surface."""
+    if part.bottom < 0 < part.top:
+        return "around the reference surface"
+    return "above" if part.is_above else "below"
