@@ -21,6 +21,7 @@ from fenics_model.api.jit import JIT_OPTIONS
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.solid.strain_energy import StrainEnergy, stress
 from fenics_model.solid.tangent import ExtrapolatedTangent
+from fenics_model.solid.unknown import Unknown
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Solid:
     ----------
     space : dolfinx.fem.FunctionSpace
         Of displacement and pressures.
-    state : dolfinx.fem.Function
+    state : Unknown
         The unknown.
     residual : dolfinx.fem.Form
         First derivative of the potential energy.
@@ -87,7 +88,7 @@ class Solid:
         self.space = fem.functionspace(
             mesh.mesh, basix.ufl.mixed_element([quadratic, *[linear] * len(layers)])
         )
-        self.state = fem.Function(self.space)
+        self.state = Unknown(self.space)
         self.dx = ufl.Measure(
             "dx", mesh.mesh, subdomain_data=mesh.layer_tags,
             metadata={"quadrature_degree": quadrature_degree},
