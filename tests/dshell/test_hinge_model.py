@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from verification import bilayers
 
-from bilayer import PlanarMesh, solve
+from bilayer import InputError, Layer, LinearElastic, PlanarMesh, Prestretch, Specimen, solve
 from bilayer.mesh.generation import generate_mesh
-from dshell import HingeSettings
+from dshell import HingeSettings, MorleySettings
 from dshell.energies.topology import Topology
 from dshell.models.hinge_rest_state import (
     circumcentre_distances,
@@ -47,6 +47,27 @@ def test_bare_substrate_shrinks_and_stays_flat():
     assert bare.strain == pytest.approx([1 / 1.1 - 1, 1 / 1.2 - 1])
     assert bare.curvature == pytest.approx([0, 0], abs=1e-12)
     assert bare.neutral_axis == pytest.approx(-1e-3 / 1.1 / 1.2 / 2)
+
+
+@pytest.mark.parametrize("settings", [HingeSettings(), MorleySettings()], ids=["hinge", "morley"])
+def test_a_free_layer_of_the_linear_law_shrinks_to_its_natural_state(settings, coarse_mesh):
+    """sqrt(1 - 2 (l - 1)), 0.7746 at 1.2, where a hyperelastic law shrinks to 1 / l."""
+    law = LinearElastic(116_250.0, 0.49)
+    layers = {name: Layer(1e-3, law) for name in ("substrate", "kirigami")}
+    specimen = Specimen(0.04, **layers, prestretch=Prestretch([1.2], layers=list(layers)))
+    covered = PlanarMesh(
+        coarse_mesh.points, coarse_mesh.triangles, np.ones_like(coarse_mesh.region)
+    )
+    result = solve(specimen, "dshell", settings, mesh=covered)
+    span = result.span.values[0, :2] / np.ptp(covered.points, axis=0)
+    assert span == pytest.approx([0.6**0.5] * 2, rel=1e-6)
+
+
+def test_where_the_linear_law_has_no_natural_state_the_hinges_are_refused():
+    law = LinearElastic(116_250.0, 0.49)
+    specimen = replace(bilayers.ladder_disc(), substrate=Layer(1e-3, law))
+    with pytest.raises(InputError, match="the linear law has no stress-free state"):
+        specimen_sections(specimen, (1.5, 1.5))
 
 
 def test_equilateral_lattice_has_the_closed_forms():
