@@ -26,11 +26,22 @@ if TYPE_CHECKING:
     from bilayer.mesh.planar import PlanarMesh, read_planar_mesh, write_planar_mesh
     from bilayer.results.comparison import compare
     from bilayer.results.conversion import convert_milestones, convert_result
-    from bilayer.results.result import open_result, result_mesh, result_specimen, write_result
+    from bilayer.results.files import open_result, write_result
+    from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
-    from bilayer.solvers.registry import solve
+    from bilayer.solvers.registry import follow, solve
     from bilayer.specimen.layer import BondedLayer, Layer, Response
-    from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
+    from bilayer.specimen.materials import (
+        ArrudaBoyce,
+        Gent,
+        Hyperelastic,
+        LinearElastic,
+        MooneyRivlin,
+        NeoHookean,
+        Ogden,
+        Yeoh,
+        register_law,
+    )
     from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
     from bilayer.specimen.pattern import Cross, CutPattern, Polygons, SectorProfile
     from bilayer.specimen.prestretch import Prestretch
@@ -63,10 +74,21 @@ _MODULES = {
     "bilayer.mesh.planar": ("PlanarMesh", "read_planar_mesh", "write_planar_mesh"),
     "bilayer.results.comparison": ("compare",),
     "bilayer.results.conversion": ("convert_milestones", "convert_result"),
-    "bilayer.results.result": ("open_result", "result_mesh", "result_specimen", "write_result"),
+    "bilayer.results.files": ("open_result", "write_result"),
+    "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
-    "bilayer.solvers.registry": ("solve",),
-    "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
+    "bilayer.solvers.registry": ("follow", "solve"),
+    "bilayer.specimen.materials": (
+        "ArrudaBoyce",
+        "Gent",
+        "Hyperelastic",
+        "LinearElastic",
+        "MooneyRivlin",
+        "NeoHookean",
+        "Ogden",
+        "Yeoh",
+        "register_law",
+    ),
     "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
     "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
     "bilayer.specimen.pattern": ("Cross", "CutPattern", "Polygons", "SectorProfile"),

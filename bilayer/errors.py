@@ -25,8 +25,20 @@ def fields_of(table: str) -> Iterator[None]:
         raise InputError(f"{table}.{error}") from error
 
 
+class NotEnoughMemoryError(InputError):
+    """A computation that would not fit into the memory there is now; elsewhere or later it may."""
+
+
 class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
+
+
+class NotWrittenError(ComputationError):
+    """A file could not be written, for example on a full disk."""
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, where it is taken as Ctrl-C."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -36,8 +48,10 @@ class Interrupted(KeyboardInterrupt):
     ----------
     result : Dataset
         With those milestones; its `stop_reason` says that it was interrupted.
+    output : path-like or None
+        The file that has them, too.
     """
 
-    def __init__(self, result: Any) -> None:
+    def __init__(self, result: Any, output: Any = None) -> None:
         super().__init__("interrupted")
-        self.result = result
+        self.result, self.output = result, output

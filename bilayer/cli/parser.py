@@ -10,7 +10,8 @@ from bilayer.errors import InputError
 from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh, read_planar_mesh
-from bilayer.results.result import open_result, result_mesh
+from bilayer.results.files import open_result
+from bilayer.results.schema import result_mesh
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
 

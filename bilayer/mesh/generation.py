@@ -5,16 +5,17 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import psutil
 from numpy.typing import NDArray
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import ComputationError, NotEnoughMemoryError
 from bilayer.mesh.agreement import check_agreement
+from bilayer.mesh.bonding import check_bonding
 from bilayer.mesh.divided_sheet import DividedSheet
 from bilayer.mesh.drawing import TRIANGLES_PER_AREA, Drawing
 from bilayer.mesh.gmsh_session import gmsh_session
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.mesh.sector_disc import SectorDisc
+from bilayer.runtime.memory import available_memory
 from bilayer.specimen.specimen import Specimen
 
 BYTES_PER_TRIANGLE = 2000
@@ -39,8 +40,10 @@ def estimated_triangles(specimen: Specimen) -> float:
     return drawing_of(specimen).triangles()
 
 
-def check_memory(specimen: Specimen, bytes_per_triangle: float, what: str) -> None:
-    """Raise InputError where the mesh size asks for more memory than there is.
+def check_memory(
+    specimen: Specimen, bytes_per_triangle: float, what: str, available: float | None = None
+) -> None:
+    """Raise NotEnoughMemoryError if the mesh size asks for more memory than there is.
 
     Parameters
     ----------
@@ -50,15 +53,20 @@ def check_memory(specimen: Specimen, bytes_per_triangle: float, what: str) -> No
         What the step named `what` takes.
     what : str
         For the message: "the mesh", "the finite-element model", ...
+    available : float, optional
+        Bytes; what this machine has where left out.
     """
     count = estimated_triangles(specimen)
-    _check_available(
-        f"mesh.size = {specimen.mesh.size} m: about {count:.3g}", count * bytes_per_triangle, what
-    )
+    triangles = f"mesh.size = {specimen.mesh.size} m: about {count:.3g}"
+    _check_available(triangles, count * bytes_per_triangle, what, available)
 
 
 def mesh_within_memory(
-    specimen: Specimen, mesh: PlanarMesh | None, bytes_per_triangle: float, what: str
+    specimen: Specimen,
+    mesh: PlanarMesh | None,
+    bytes_per_triangle: float,
+    what: str,
+    available: float | None = None,
 ) -> PlanarMesh:
     """Return a given mesh, or that of a specimen, if there is the memory to go on with it.
 
@@ -70,31 +78,35 @@ def mesh_within_memory(
         To be meshed where there is no mesh.
     mesh : PlanarMesh or None
         The mesh that is given.
-    bytes_per_triangle, what
+    bytes_per_triangle, what, available
         See `check_memory`.
 
     Raises
     ------
+    NotEnoughMemoryError
+        There is less memory than needed.
     InputError
-        There is less memory than needed, or the mesh is not one of the specimen.
+        The mesh is not one of the specimen, or its layers are not bonded to each other everywhere.
     ComputationError
         gmsh is not there, or fails.
     """
     if mesh is None:
-        check_memory(specimen, bytes_per_triangle, what)
-        return generate_mesh(specimen)
-    check_agreement(specimen, mesh)
-    count = len(mesh.triangles)
-    _check_available(f"mesh: its {count}", count * bytes_per_triangle, what)
+        check_memory(specimen, bytes_per_triangle, what, available)
+        mesh = generate_mesh(specimen)
+    else:
+        check_agreement(specimen, mesh)
+        count = len(mesh.triangles)
+        _check_available(f"mesh: its {count}", count * bytes_per_triangle, what, available)
+    check_bonding(specimen, mesh)
     return mesh
 
 
-def _check_available(triangles: str, needed: float, what: str) -> None:
-    available = psutil.virtual_memory().available
-    if needed > available:
-        raise InputError(
+def _check_available(triangles: str, needed: float, what: str, available: float | None) -> None:
+    there_is = available_memory() if available is None else available
+    if needed > there_is:
+        raise NotEnoughMemoryError(
             f"{triangles} triangles would take {needed / 2**30:.3g} GiB for {what}, expected at "
-            f"most the {available / 2**30:.3g} GiB of memory available"
+            f"most the {there_is / 2**30:.3g} GiB of memory available"
         )
 
 
@@ -113,7 +125,7 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
 
     Raises
     ------
-    InputError
+    NotEnoughMemoryError
         The mesh would not fit into memory.
     ComputationError
         gmsh is not there, or fails.

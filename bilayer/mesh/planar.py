@@ -12,6 +12,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
@@ -21,6 +23,8 @@ from bilayer.specimen.two_layers import TWO_LAYERS
 
 FLATNESS = 1e-9
 """Range of z that a planar mesh in space may have, over its extent."""
+ROUND_OFF = 1e-9
+"""Distance over the extent of the mesh that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +96,31 @@ class PlanarMesh:
 
     @cached_property
     def rim_nodes(self) -> NDArray[np.int64]:
-        """Nodes on the boundary, ascending."""
-        return np.unique(self.boundary_edges)
+        """Nodes on the outer boundary, ascending; those on the edges of holes are not among them.
+
+        A hole that meets the outer boundary in a node counts as a part of it.
+        """
+        nodes, ends = np.unique(self.boundary_edges, return_inverse=True)
+        start, end = ends.reshape(-1, 2).T
+        pairs = coo_array((np.ones(len(start)), (start, end)), shape=(len(nodes), len(nodes)))
+        _, loop = connected_components(pairs, directed=False)
+        outermost = np.argmax(self.points[nodes, 0])
+        return nodes[loop == loop[outermost]]
+
+    @cached_property
+    def centroid(self) -> NDArray[np.float64]:
+        """Centre of the sheet's area, m, shape (2,); 0 if it is not away from it but for round-off.
+
+        It need not lie on the sheet.
+        """
+        centre = self.areas @ self.points[self.triangles].mean(axis=1) / self.areas.sum()
+        return np.where(np.abs(centre) > ROUND_OFF * np.ptp(self.points), centre, 0.0)
 
     @cached_property
     def centre_node(self) -> int:
-        """The node nearest to the origin."""
-        return int(np.argmin(np.einsum("ij,ij->i", self.points, self.points)))
+        """The node nearest to the centroid."""
+        from_centre = self.points - self.centroid
+        return int(np.argmin(np.einsum("ij,ij->i", from_centre, from_centre)))
 
     @property
     def _corner_pairs(self) -> NDArray[np.int64]:

@@ -7,7 +7,8 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.results.effort import effort_lines
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.milestones import along_milestones
+from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.pattern import CutPattern, Pattern
 from bilayer.specimen.specimen import Specimen
@@ -15,6 +16,7 @@ from bilayer.specimen.specimen import Specimen
 
 def result_table(result: xr.Dataset) -> str:
     """Return one line per milestone, under two of titles and units: shape, stability, effort."""
+    result = along_milestones(result)
     span = result["span"].values
     columns = {
         ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
@@ -38,6 +40,7 @@ def result_table(result: xr.Dataset) -> str:
 
 def provenance(result: xr.Dataset) -> str:
     """Return what made a result: solver, specimen, mesh, settings, versions, and its table."""
+    result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
     cuts = [layer.pattern for layer in specimen.layers if layer.pattern is not None]
@@ -56,6 +59,8 @@ def provenance(result: xr.Dataset) -> str:
     ]
     if result.attrs["stop_reason"]:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
+    if NOT_MEASURED in result.attrs:
+        lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
     return "\n".join([*lines, "", result_table(result), "", trust(result)])
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bilayer.errors import InputError
-from bilayer.specimen.material import Law
+from bilayer.specimen.materials import Law
 from bilayer.specimen.pattern import Pattern
 from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_pair
 from bilayer.validation import finite, keep, one_of, positive, text

@@ -8,9 +8,8 @@ from dataclasses import fields
 from typing import Any
 
 from bilayer.errors import InputError, fields_of
-from bilayer.specimen.law_tables import law_from_table, law_keys, law_to_table
 from bilayer.specimen.layer import Layer, Response, layer_name
-from bilayer.specimen.material import Law
+from bilayer.specimen.materials import Law, law_from_table, law_keys, law_to_table
 from bilayer.specimen.outline import OUTLINES, Disc, Outline
 from bilayer.specimen.pattern import PATTERNS, Pattern
 from bilayer.specimen.specimen import Specimen

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from bilayer.errors import InputError, fields_of
-from bilayer.specimen.law_tables import law_from_table, law_keys, law_to_table
 from bilayer.specimen.layer import Layer
+from bilayer.specimen.materials import law_from_table, law_keys, law_to_table
 from bilayer.specimen.outline import Disc
 from bilayer.specimen.pattern import CutPattern
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen

@@ -10,7 +10,7 @@ import numpy as np
 from bilayer import MeshSize, PlanarMesh, open_result, paper_specimen, solve
 from bilayer.mesh.generation import generate_mesh
 from bilayer.results.comparison import compare
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.schema import result_mesh, result_specimen
 from dshell import HingeSettings, MorleySettings
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel

@@ -137,15 +137,15 @@ def test_other_materials_are_refused():
 
 def iterations_of_the_volume(law, strain, monkeypatch):
     counted = []
-    derivatives = plane_stress._MooneyRivlinState._volume_derivatives
+    derivatives = plane_stress._Expansion.volume_derivatives
 
-    def counting(state, r):
-        counted.append(r)
-        return derivatives(state, r)
+    def counting(expansion):
+        counted.append(expansion)
+        return derivatives(expansion)
 
-    monkeypatch.setattr(plane_stress._MooneyRivlinState, "_volume_derivatives", counting)
+    monkeypatch.setattr(plane_stress._Expansion, "volume_derivatives", counting)
     law.at(strain, PRESTRETCH)
-    return len(counted)
+    return len(counted) - 1  # the first makes the guess
 
 
 def test_a_stiff_volume_is_found_at_once(strain, monkeypatch):
