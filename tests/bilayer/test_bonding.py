@@ -41,3 +41,9 @@ def test_a_layer_that_is_missing_between_two_is_named(there):
     )
     with pytest.raises(InputError, match=message):
         check_no_gap(*pile(*layers))
+
+
+def test_a_mesh_of_other_layers_is_refused():
+    _, mesh = pile("bottom")
+    with pytest.raises(InputError, match="mesh: has triangles of a layer 'bottom', expected layer"):
+        check_no_gap(paper_specimen(), mesh)
