@@ -1,12 +1,37 @@
 """Checks on single values; each names the field, the value and what was expected."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
 from bilayer.errors import InputError
+
+
+def keep(
+    instance: Any, check: Callable[..., Any], *names: str, table: str = "", **options: Any
+) -> None:
+    """Check fields of a frozen dataclass and keep what the check returns.
+
+    So a number of numpy, or 5.0 for a whole number, is kept as what it stands for.
+
+    Parameters
+    ----------
+    instance : frozen dataclass
+        Within its `__post_init__`.
+    check : callable
+        One of this module's, called with the field, the value and the options.
+    *names : str
+        The fields.
+    table : str
+        What their names are written after in messages: "mesh." makes "mesh.size".
+    **options
+        Of the check.
+    """
+    for name in names:
+        value = check(f"{table}{name}", getattr(instance, name), **options)
+        object.__setattr__(instance, name, value)
 
 
 def finite(field: str, value: Any) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from bilayer.errors import InputError
 from bilayer.specimen.settings import documented
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE
-from bilayer.validation import finite, fraction, one_of, positive, whole
+from bilayer.validation import finite, fraction, keep, one_of, positive, whole
 
 BYTES_PER_TRIANGLE = 300_000
 """Memory of the matrix and its factors, one element through each layer (measured: 225 kB per
@@ -69,18 +69,16 @@ class SolidSettings:
     )
 
     def __post_init__(self) -> None:
-        for name in ("substrate_elements", "kirigami_elements", "quadrature_degree",
-                     "target_iterations", "iteration_limit"):  # fmt: skip
-            whole(f"solver.{name}", getattr(self, name), at_least=1)
+        counts = ("substrate_elements", "kirigami_elements", "quadrature_degree",
+                  "target_iterations", "iteration_limit")  # fmt: skip
+        keep(self, whole, *counts, table="solver.", at_least=1)
         if self.elements is not None:
-            whole("solver.elements", self.elements, at_least=1)
-        whole("solver.flow_steps", self.flow_steps, at_least=0)
-        for name in ("first_step", "smallest_step", "largest_step"):
-            positive(f"solver.{name}", getattr(self, name))
-        for name in ("tolerance", "path_tolerance"):
-            fraction(f"solver.{name}", getattr(self, name))
-        finite("solver.imperfection", self.imperfection)
-        one_of("solver.branch", self.branch, BRANCHES)
+            keep(self, whole, "elements", table="solver.", at_least=1)
+        keep(self, whole, "flow_steps", table="solver.", at_least=0)
+        keep(self, positive, "first_step", "smallest_step", "largest_step", table="solver.")
+        keep(self, fraction, "tolerance", "path_tolerance", table="solver.")
+        keep(self, finite, "imperfection", table="solver.")
+        keep(self, one_of, "branch", table="solver.", choices=BRANCHES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(

@@ -38,7 +38,7 @@ from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
 from bilayer.specimen.support import HeldNodes, support
 from bilayer.specimen.toml import specimen_to_toml
 from bilayer.specimen.two_layers import LAYERS, TwoLayers
-from bilayer.validation import finite, one_of, positive
+from bilayer.validation import finite, keep, one_of, positive
 
 MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
 
@@ -67,11 +67,10 @@ class DeckSettings:
     )
 
     def __post_init__(self) -> None:
-        one_of("solver.element", self.element, ELEMENTS)
-        finite("solver.imperfection", self.imperfection)
+        keep(self, one_of, "element", table="solver.", choices=ELEMENTS)
+        keep(self, finite, "imperfection", table="solver.")
         increments = ("smallest_increment", "first_increment", "largest_increment")
-        for name in increments:
-            positive(f"solver.{name}", getattr(self, name))
+        keep(self, positive, *increments, table="solver.")
         for smaller, larger in pairwise(increments):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(

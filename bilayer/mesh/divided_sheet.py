@@ -137,13 +137,14 @@ class DividedSheet:
         return found
 
     def _sizes(self) -> dict[Vertex, float]:
-        """Return the edge length at each point, shorter at a short chain and one that bends."""
+        """Return the edge length at each point, shorter at a chain that bends within the usual."""
         sizes: dict[Vertex, float] = {}
         for chain in self._chains:
             turn = sum(_turn(*three) for three in zip(chain, chain[1:], chain[2:], strict=False))
-            straight = shapely.LineString(chain).length * STRAIGHT / max(turn, STRAIGHT)
+            edges = max(1.0, turn / STRAIGHT)
+            own = shapely.LineString(chain).length / edges if edges > 1 else self.size
             for vertex in chain:
-                sizes[vertex] = min(self.size, straight, sizes.get(vertex, self.size))
+                sizes[vertex] = min(self.size, own, sizes.get(vertex, self.size))
         return sizes
 
     @cached_property

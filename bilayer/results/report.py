@@ -8,7 +8,7 @@ import xarray as xr
 
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
-from bilayer.results.schema import result_mesh, result_specimen
+from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.pattern import CutPattern, Pattern
 from bilayer.specimen.specimen import Specimen
@@ -59,6 +59,8 @@ def provenance(result: xr.Dataset) -> str:
     ]
     if result.attrs["stop_reason"]:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
+    if NOT_MEASURED in result.attrs:
+        lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
     return "\n".join([*lines, "", result_table(result), "", trust(result)])
 
 

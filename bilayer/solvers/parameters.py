@@ -74,8 +74,9 @@ def parameter_value(specimen: Specimen, stretch: Stretch, parameter: str) -> flo
             return float(getattr(specimen.layer(layer), name))
         case [layer, "material", name] if layer in specimen.layer_names:
             material = specimen.layer(layer).material
-            if name in _constants(material):
-                return float(getattr(material, name))
+            constant = _constant(material, name)
+            if constant is not None:
+                return float(getattr(material, constant))
     raise InputError(
         f"parameter = {parameter!r}: expected prestretch, prestretch.x, prestretch.y, gravity, or "
         "LAYER.thickness, LAYER.density or LAYER.material.CONSTANT with a layer of "
@@ -96,17 +97,22 @@ def changed(
         case ["gravity"]:
             return replace(specimen, gravity=value), stretch
         case [layer, "material", name]:
-            material: Any = replace(specimen.layer(layer).material, **{name: value})  # type: ignore[type-var]
+            material: Any = specimen.layer(layer).material
+            material = replace(material, **{str(_constant(material, name)): value})
             return specimen.with_layer(layer, material=material), stretch
         case [layer, name]:
             return specimen.with_layer(layer, **{name: value}), stretch
     raise AssertionError(parameter)
 
 
-def _constants(material: Any) -> list[str]:
-    """Return the names of those constants that are single numbers."""
-    return [
-        field.name
+def _constant(material: Any, name: str) -> str | None:
+    """Return the field of a law's constant, in whatever case its name is; None: there is none.
+
+    Constants that are lists of numbers, as those of Ogden's law, are not among them.
+    """
+    names = {
+        field.name.casefold(): field.name
         for field in fields(material)
         if field.init and isinstance(getattr(material, field.name), float)
-    ]
+    }
+    return names.get(name.casefold())

@@ -32,7 +32,8 @@ STARTS = ("shell", "flat")
 def solver_named(name: str) -> Solver:
     """Return a solver; raise InputError if the name is unknown."""
     with signals_put_off():  # compiled modules may turn Ctrl-C into another error
-        solver: Solver = import_module(SOLVERS[one_of("solver", name, SOLVERS)]).SOLVER
+        package = import_module(SOLVERS[one_of("solver", name, SOLVERS)])
+    solver: Solver = package.SOLVER
     return solver
 
 

@@ -9,7 +9,7 @@ from bilayer.errors import InputError
 from bilayer.specimen.materials import Law
 from bilayer.specimen.pattern import Pattern
 from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_pair
-from bilayer.validation import finite, one_of, positive, text
+from bilayer.validation import finite, keep, one_of, positive, text
 
 RESPONSES = ("none", "path", "fixed")
 Tensor = tuple[tuple[float, float], tuple[float, float]]
@@ -39,10 +39,9 @@ class Response:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "kind", one_of("kind", self.kind, RESPONSES))
-        object.__setattr__(self, "stretch", stretch_pair("stretch", self.stretch))
-        for name in ("factor", "angle"):
-            object.__setattr__(self, name, finite(name, getattr(self, name)))
+        keep(self, one_of, "kind", choices=RESPONSES)
+        keep(self, stretch_pair, "stretch")
+        keep(self, finite, "factor", "angle")
         if self.kind != "fixed" and self.stretch != UNSTRETCHED:
             raise InputError(f"stretch = {list(self.stretch)}: expected with kind = 'fixed' alone")
         if self.kind != "path" and self.factor != 1.0:
@@ -109,9 +108,9 @@ class Layer:
     response: Response = Response()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "name", layer_name("name", self.name))
-        object.__setattr__(self, "thickness", positive("thickness", self.thickness, "m"))
-        object.__setattr__(self, "density", positive("density", self.density, "kg/m3"))
+        keep(self, layer_name, "name")
+        keep(self, positive, "thickness", unit="m")
+        keep(self, positive, "density", unit="kg/m3")
         if not isinstance(self.response, Response):
             raise InputError(f"response = {self.response!r}: expected a Response")
 

@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.validation import finite, listed, not_negative, positive, whole
+from bilayer.validation import finite, keep, listed, not_negative, positive, whole
 
 SEGMENTS = 720
 """Lines that stand for a full turn of an arc: 1e-5 of the radius from it."""
@@ -123,8 +123,7 @@ class Ellipse(Outline):
     height: float
 
     def __post_init__(self) -> None:
-        for name in ("width", "height"):
-            object.__setattr__(self, name, positive(name, getattr(self, name), "m"))
+        keep(self, positive, "width", "height", unit="m")
 
     @cached_property
     def polygon(self) -> shapely.Polygon:  # noqa: D102
@@ -156,15 +155,14 @@ class Rectangle(Outline):
     corner_radius: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("width", "height"):
-            object.__setattr__(self, name, positive(name, getattr(self, name), "m"))
-        radius = not_negative("corner_radius", self.corner_radius, "m")
-        if radius > min(self.width, self.height) / 2:
+        keep(self, positive, "width", "height", unit="m")
+        keep(self, not_negative, "corner_radius", unit="m")
+        half = min(self.width, self.height) / 2
+        if self.corner_radius > half:
             raise InputError(
-                f"corner_radius = {radius} m: expected at most half of the shorter side, "
-                f"{min(self.width, self.height) / 2} m"
+                f"corner_radius = {self.corner_radius} m: expected at most half of the shorter "
+                f"side, {half} m"
             )
-        object.__setattr__(self, "corner_radius", radius)
 
     @cached_property
     def polygon(self) -> shapely.Polygon:  # noqa: D102
@@ -206,10 +204,9 @@ class RegularPolygon(Outline):
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "sides", whole("sides", self.sides, at_least=3))
-        radius = positive("outer_radius", self.outer_radius, "m")
-        object.__setattr__(self, "outer_radius", radius)
-        object.__setattr__(self, "angle", finite("angle", self.angle))
+        keep(self, whole, "sides", at_least=3)
+        keep(self, positive, "outer_radius", unit="m")
+        keep(self, finite, "angle")
 
     @cached_property
     def polygon(self) -> shapely.Polygon:  # noqa: D102
@@ -242,7 +239,7 @@ class Polygon(Outline):
     holes: tuple[Ring, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", ring("points", self.points))
+        keep(self, ring, "points")
         holes = listed("holes", self.holes)
         checked = tuple(ring(f"holes[{k}]", hole) for k, hole in enumerate(holes))
         object.__setattr__(self, "holes", checked)

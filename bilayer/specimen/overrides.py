@@ -43,6 +43,8 @@ def with_overrides(
         if known[table]:
             check_keys(table, path[:1], known[table])
             tables.setdefault(table, {})
+        elif len(path) < 2:
+            raise InputError(f"override {override!r}: expected {name.strip()}.key=value")
         place = _place(tables, [table, *path[:-1]])
         place[path[-1]] = toml_value(value)
     return tables

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.specimen.outline import Disc, Outline, Ring, Symmetry, arc, ring
-from bilayer.validation import finite, listed, not_negative, one_of, positive, whole
+from bilayer.validation import finite, keep, listed, not_negative, one_of, positive, whole
 
 KEPT_OR_CUT = ("kept", "cut")
 
@@ -67,14 +67,12 @@ class CutPattern(Pattern):
 
     def __post_init__(self) -> None:
         _check_strips(self)
-        inner = positive("inner_radius", self.inner_radius, "m")
-        angle = positive("cutout_angle", self.cutout_angle, "rad")
-        object.__setattr__(self, "inner_radius", inner)
-        object.__setattr__(self, "cutout_angle", angle)
+        keep(self, positive, "inner_radius", unit="m")
+        keep(self, positive, "cutout_angle", unit="rad")
         widest = 2 * math.pi / self.strips
-        if angle >= widest:
+        if self.cutout_angle >= widest:
             raise InputError(
-                f"cutout_angle = {angle} rad: {self.strips} cutouts need less "
+                f"cutout_angle = {self.cutout_angle} rad: {self.strips} cutouts need less "
                 f"than 2*pi/{self.strips} = {widest:.4g} rad each, or they overlap"
             )
 
@@ -193,7 +191,7 @@ class Polygons(Pattern):
             raise InputError("polygons = []: expected at least one")
         rings = tuple(ring(f"polygons[{k}]", points) for k, points in enumerate(given))
         object.__setattr__(self, "polygons", rings)
-        object.__setattr__(self, "what", one_of("what", self.what, KEPT_OR_CUT))
+        keep(self, one_of, "what", choices=KEPT_OR_CUT)
 
     @cached_property
     def _union(self) -> shapely.Geometry:
@@ -229,15 +227,15 @@ class Cross(Pattern):
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "arm_width", positive("arm_width", self.arm_width, "m"))
+        keep(self, positive, "arm_width", unit="m")
+        keep(self, finite, "angle")
         if self.arm_length is not None:
-            length = positive("arm_length", self.arm_length, "m")
-            if length <= self.arm_width:
+            keep(self, positive, "arm_length", unit="m")
+            if self.arm_length <= self.arm_width:
                 raise InputError(
-                    f"arm_length = {length} m: expected more than arm_width = {self.arm_width} m"
+                    f"arm_length = {self.arm_length} m: expected more than "
+                    f"arm_width = {self.arm_width} m"
                 )
-            object.__setattr__(self, "arm_length", length)
-        object.__setattr__(self, "angle", finite("angle", self.angle))
 
     def kept(self, outline: Outline) -> shapely.Geometry:  # noqa: D102
         length = 2 * _beyond(outline) if self.arm_length is None else self.arm_length
@@ -277,7 +275,7 @@ def turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
 def _check_strips(pattern: Any) -> None:
     if pattern.strips == 0:
         raise InputError("strips = 0: leave the pattern out for a whole layer, expected at least 1")
-    object.__setattr__(pattern, "strips", whole("strips", pattern.strips, at_least=1))
+    keep(pattern, whole, "strips", at_least=1)
 
 
 def _cutout_centres(strips: int) -> list[float]:

@@ -1,11 +1,11 @@
 """The prestretch as a path of milestones, each a shape to be computed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from bilayer.errors import InputError
-from bilayer.validation import listed, one_of, positive
+from bilayer.validation import keep, listed, one_of, positive
 
 StretchPair = tuple[float, float]
 """(lambda_x, lambda_y)."""
@@ -38,8 +38,7 @@ class Prestretch:
         if not pairs:
             raise InputError(f"{MILESTONES} = []: expected at least one")
         object.__setattr__(self, "milestones", pairs)
-        rule = one_of("prestretch.thickness", self.thickness, BONDED_THICKNESS_RULES)
-        object.__setattr__(self, "thickness", rule)
+        keep(self, one_of, "thickness", table="prestretch.", choices=BONDED_THICKNESS_RULES)
 
     @property
     def nominal(self) -> list[float]:
@@ -55,12 +54,11 @@ def stretch_pair(field: str, value: Any) -> StretchPair:
     InputError
         They are no numbers, more than two, or no stretches that a sheet can bear.
     """
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        if len(value) != 2:
-            raise InputError(
-                f"{field} = {list(value)}: expected one number or [lambda_x, lambda_y]"
-            )
-        return _stretch(field, value[0]), _stretch(field, value[1])
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        pair = list(value)
+        if len(pair) != 2:
+            raise InputError(f"{field} = {pair}: expected one number or [lambda_x, lambda_y]")
+        return _stretch(field, pair[0]), _stretch(field, pair[1])
     return _stretch(field, value), _stretch(field, value)
 
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 
 from bilayer.errors import InputError
-from bilayer.validation import finite
+from bilayer.validation import finite, keep
 
 _NAMED = {0.0: "bottom", 0.5: "middle", 1.0: "top"}
 
@@ -25,10 +25,9 @@ class ReferenceSurface:
     share: float
 
     def __post_init__(self) -> None:
-        share = finite("share", self.share)
-        if not 0 <= share <= 1:
+        keep(self, finite, "share")
+        if not 0 <= self.share <= 1:
             raise InputError(f"share = {self.share}: expected from 0 to 1")
-        object.__setattr__(self, "share", share)
 
     def __str__(self) -> str:
         """Return the text that a file keeps: "top of substrate"."""

@@ -19,7 +19,7 @@ from bilayer.specimen.outline import Disc, Outline
 from bilayer.specimen.pattern import kept_share
 from bilayer.specimen.prestretch import Prestretch, StretchPair
 from bilayer.specimen.reference_surface import ReferenceSurface
-from bilayer.validation import listed, nearest, not_negative, positive, text
+from bilayer.validation import keep, listed, nearest, not_negative, positive, text
 
 SUBSTRATE, KIRIGAMI_LAYER = "substrate", "kirigami"
 """Names of the layers that a bilayer has: the one that holds it together, the one that is cut."""
@@ -43,13 +43,12 @@ class MeshSize:
     corner_size: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "size", positive("mesh.size", self.size, "m"))
+        keep(self, positive, "size", table="mesh.", unit="m")
         if self.corner_size is not None:
-            corner_size = positive("mesh.corner_size", self.corner_size, "m")
-            object.__setattr__(self, "corner_size", corner_size)
-            if corner_size > self.size:
+            keep(self, positive, "corner_size", table="mesh.", unit="m")
+            if self.corner_size > self.size:
                 raise InputError(
-                    f"mesh.corner_size = {corner_size} m: expected at most "
+                    f"mesh.corner_size = {self.corner_size} m: expected at most "
                     f"mesh.size = {self.size} m"
                 )
 
@@ -85,7 +84,7 @@ class Specimen:
         object.__setattr__(self, "layers", _checked_layers(self.layers))
         gravity = not_negative("gravity.acceleration", self.gravity, "m/s2")
         object.__setattr__(self, "gravity", gravity)
-        object.__setattr__(self, "name", text("specimen.name", self.name))
+        keep(self, text, "name", table="specimen.")
         for layer in self.layers:
             if layer.pattern is not None:
                 with fields_of(f"layers.{layer.name}.pattern"):
@@ -216,7 +215,7 @@ class Specimen:
         number = self.layers.index(self.layer(name))
         return self.bonded_layers(stretch)[number]
 
-    def with_layer(self, name: str, **changes: Any) -> "Specimen":
+    def with_layer(self, name: str, /, **changes: Any) -> "Specimen":
         """Return the same specimen with some fields of one layer changed."""
         changed = self.layer(name)
         layers = [replace(layer, **changes) if layer is changed else layer for layer in self.layers]

@@ -12,7 +12,7 @@ class Stopwatch:
     """Adds up the work of whatever it is handed to."""
 
     def __init__(self) -> None:
-        self.restart()
+        self._since, self._work = time.process_time(), Work()
 
     @contextmanager
     def assembling(self) -> Iterator[None]:

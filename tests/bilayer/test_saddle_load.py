@@ -13,12 +13,9 @@ R = 0.04
 
 def plates():
     """Discs whose layers are as uneven as can be, and one drawn out and moved away."""
+    coarse = replace(paper_specimen(), mesh=MeshSize(0.008))
     meshes = [
-        generate_mesh(
-            replace(paper_specimen(), mesh=MeshSize(0.008)).with_layer(
-                "kirigami", pattern=CutPattern(*cut)
-            )
-        )
+        generate_mesh(coarse.with_layer("kirigami", pattern=CutPattern(*cut)))
         for cut in ((1, 0.008, 5.0), (2, 0.01, 0.2), (3, 0.008, 1.0), (5, 0.008, 0.3))
     ]
     drawn = meshes[0].points * [1.7, 0.6] + [0.03, -0.02]

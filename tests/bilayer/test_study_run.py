@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from studies_for_tests import QUICK, log_lines, write_study
 
-from bilayer import open_result
+from bilayer import open_result, open_study, solve
 from bilayer.cli.main import main
 from bilayer.errors import ComputationError
 from bilayer.study.compute import compute_case
@@ -20,6 +20,7 @@ from bilayer.study.index import TIMINGS, read_index, write_index
 from bilayer.study.memory import first_at_once, memory_note
 from bilayer.study.plan import read_study
 from bilayer.study.run import cases_to_compute, run_study
+from dshell.release.specimen_path import ShellPath
 
 ONE_TOO_LARGE = QUICK + '[vary]\n"mesh.size" = [0.016, 1e-6]\n'
 TWO_ANGLES = QUICK + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n'
@@ -81,6 +82,37 @@ def test_a_result_opens_as_any_other(study):
     assert result.attrs["study_case"] == identity
     index = read_index(StudyFolder(out))
     assert list(index["quality"]) == list(result["quality"].values)
+
+
+def test_pairs_with_one_larger_stretch_are_milestones_of_one_case(study):
+    write, out = study
+    pairs = "[1.03, 1.0], [1.02, 1.03], 1.03, 1.01"
+    assert main(write(QUICK + f'[vary]\n"prestretch.milestones" = [{pairs}]\n')) == 0
+    index = pd.read_csv(out / "study.csv")
+    assert index["prestretch_x"].tolist() == [1.01, 1.03, 1.02, 1.03]
+    assert index["prestretch_y"].tolist() == [1.01, 1.0, 1.03, 1.03]
+    (identity,) = index["case"].unique()
+    result = open_result(out / "cases" / f"{identity}.nc")
+    opened = open_study(out)
+    for name in ("quality", "height", "converged"):
+        assert index[name].to_numpy() == pytest.approx(result[name].values)
+        assert opened[name].values[0] == pytest.approx(result[name].values)
+    assert opened["position"].values[0] == pytest.approx(result["position"].values)
+    chosen = opened.isel(prestretch=opened["prestretch_y"].values == 1.0)
+    assert chosen["height"].values[0] == pytest.approx(result["height"].values[[1]])
+
+
+def test_a_load_path_that_goes_back_is_one_case(study):
+    write, out = study
+    words = write(QUICK)
+    specimen = out.parent / "specimen.toml"
+    path = specimen.read_text().replace("[1.03, 1.06]", "[1.03, 1.06, 1.03]")
+    specimen.write_text(path)
+    assert main(words) == 0
+    opened = open_study(out)
+    assert opened["prestretch"].values.tolist() == [1.03, 1.06, 1.03]
+    assert opened["visit"].values.tolist() == [0, 0, 1]
+    assert opened["converged"].values.tolist() == [[1, 1, 1]]
 
 
 def test_a_case_that_fails_is_recorded_and_stops_no_other(study, capsys):
@@ -293,3 +325,59 @@ def test_a_log_that_cannot_be_written_is_told(study):
     folder.log_file.mkdir()
     with pytest.raises(ComputationError, match=r"study log .* cannot be written"):
         folder.log("begun", plan.cases[0])
+
+
+MILESTONES = (
+    '"prestretch.milestones" = [1.01, 1.02, 1.03, 1.04, 1.05, 1.06]\n"mesh.size" = [0.006]\n'
+)
+
+
+def test_a_case_that_is_killed_keeps_its_milestones_and_goes_on(study, capsys):
+    write, out = study
+    words = write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n' + MILESTONES)
+    folder, (case,) = StudyFolder(out), read_study(words[1]).cases
+    running = started([*words, "--case", "1"])
+    unfinished = folder.unfinished_file(case.identity)
+    while not unfinished.exists():
+        time.sleep(0.002)
+        assert running.poll() is None
+    running.kill()
+    running.communicate()
+    kept = open_result(unfinished)
+    count = int(kept["converged"].sum())
+    assert 1 <= count < 6
+    index = read_index(folder)
+    assert list(index["status"]) == ["unfinished"] * 6
+    assert list(index["quality"][:count]) == list(kept["quality"].values[:count])
+    assert open_study(out)["quality"].notnull().sum() == count
+    assert main(words) == 0
+    result = open_result(folder.result_file(case.identity))
+    assert list(result["wall_time"].values[:count]) == list(kept["wall_time"].values[:count])
+    undisturbed = solve(case.specimen, "dshell")
+    for name in ("position", "energy", "quality", "iterations"):
+        assert result[name].values == pytest.approx(undisturbed[name].values, rel=1e-9, abs=1e-14)
+    assert not unfinished.exists()
+    assert list(read_index(folder)["status"]) == ["done"] * 6
+
+
+def test_a_case_that_meets_an_error_keeps_its_milestones(study, monkeypatch):
+    write, out = study
+    words = write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n' + MILESTONES)
+    folder, (case,) = StudyFolder(out), read_study(words[1]).cases
+    follow, calls = ShellPath.approach, []
+
+    def approach(path, target):
+        calls.append(target)
+        if len(calls) == 3:
+            raise TypeError("a fault")
+        yield from follow(path, target)
+
+    monkeypatch.setattr(ShellPath, "approach", approach)
+    assert main([*words, "--case", "1"]) == 1
+    assert folder.failure(case.identity)
+    assert list(read_index(folder)["converged"]) == [1, 1, 0, 0, 0, 0]
+    assert main([*words, "--case", "1", "--retry-failed"]) == 0
+    assert calls == [
+        *case.specimen.prestretch.milestones[:3],
+        *case.specimen.prestretch.milestones[2:],
+    ]

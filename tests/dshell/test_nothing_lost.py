@@ -56,6 +56,7 @@ def assert_same_numbers(result, expected):
     assert result.attrs["stop_reason"] == ""
 
 
+@pytest.mark.slow
 def test_a_run_killed_at_any_moment_has_its_milestones_and_goes_on(
     tmp_path, processes, undisturbed
 ):
@@ -162,6 +163,8 @@ def test_a_measure_that_fails_loses_no_shape(coarse, coarse_mesh, tmp_path, monk
     assert np.isfinite(kept["position"].values).all()
     assert np.isnan(kept["height"].values).tolist() == [False, True, False, False]
     assert kept.attrs["not_measured"] == told
+    assert main(["info", str(tmp_path / "run.nc")]) == 0
+    assert f"unmeasured  {told}" in capsys.readouterr().out
 
 
 def signal_in(monkeypatch, place, number, at_call):
@@ -211,6 +214,18 @@ def test_a_signal_while_the_last_milestone_is_kept_loses_nothing(
         solved(coarse, coarse_mesh, tmp_path / "run.nc")
     assert raised.value.result["converged"].values.all()
     assert open_result(tmp_path / "run.nc").attrs["stop_reason"] == ""
+
+
+def test_a_signal_on_the_coarse_mesh_that_comes_first_gives_no_result_of_it(
+    coarse_specimen, tmp_path, monkeypatch, capsys
+):
+    signal_in(monkeypatch, PLACES["measuring"], signal.SIGTERM, at_call=1)
+    (tmp_path / "s.toml").write_text(specimen_to_toml(coarse_specimen.with_milestones([1.02])))
+    words = [str(tmp_path / "s.toml"), "--solver", "dshell", "--quiet", "--mesh-size", "0.0045"]
+    few = ["--set", "solver.coarse_triangles=120", "-o", str(tmp_path / "run.nc")]
+    assert main(["solve", *words, *few]) == 143
+    assert capsys.readouterr().err == "bilayer: interrupted\n"
+    assert not (tmp_path / "run.nc").exists()
 
 
 def test_a_signal_in_the_call_of_git_comes_before_anything_is_computed(

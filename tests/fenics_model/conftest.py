@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from bilayer import MeshSize, generate_mesh, paper_specimen
-from fenics_model import solve
+from bilayer import MeshSize, generate_mesh, paper_specimen, solve
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
@@ -26,4 +25,4 @@ def paper_6mm_mesh(paper_6mm):
 @pytest.fixture(scope="session")
 def paper_6mm_solid(paper_6mm, paper_6mm_mesh):
     """Its shapes by this model, with the defaults."""
-    return solve(paper_6mm, mesh=paper_6mm_mesh)
+    return solve(paper_6mm, "fenics", mesh=paper_6mm_mesh)

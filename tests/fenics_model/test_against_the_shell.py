@@ -20,4 +20,4 @@ def test_the_shell_finds_the_shapes_of_the_solid(paper_6mm, paper_6mm_mesh, pape
         found = compared.sel(prestretch=prestretch)
         assert float(found["rms_distance_over_radius"]) < must
         solid, of_shell = found["height"].values
-        assert of_shell == pytest.approx(solid, rel=0.01)
+        assert of_shell == pytest.approx(solid, rel=0.03)

@@ -22,9 +22,15 @@ from bilayer import (
 from bilayer import solve as bilayer_solve
 from bilayer.results.comparison import compare
 from dshell import MorleySettings
-from fenics_model import MODELS, SolidSettings, solve
+from fenics_model import SOLVER, SolidSettings
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.012))
+
+
+def solve(specimen, settings=None, start="flat", **options):
+    """Load steps from flat, if no start is given."""
+    return bilayer_solve(specimen, "fenics", settings, start=start, **options)
+
 
 needs_dolfinx = pytest.mark.skipif(find_spec("dolfinx") is None, reason="dolfinx is not there")
 
@@ -44,7 +50,7 @@ def test_without_dolfinx_the_package_imports_and_solve_says_what_is_missing():
     script = (
         "import sys; sys.modules['dolfinx'] = None\n"
         "import fenics_model, fenics_model.settings, bilayer\n"
-        "try: fenics_model.solve(bilayer.paper_specimen())\n"
+        "try: bilayer.solve(bilayer.paper_specimen(), 'fenics', start='flat')\n"
         "except bilayer.ComputationError as error: print(error)"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
@@ -70,7 +76,7 @@ def test_settings_name_what_is_wrong():
 
 @needs_dolfinx
 def test_settings_of_another_solver_are_refused(mesh):
-    with pytest.raises(InputError, match=r"settings = MorleySettings.*: expected SolidSettings"):
+    with pytest.raises(InputError, match=r"settings = MorleySettings.*: expected one of"):
         solve(COARSE, MorleySettings(), mesh=mesh)
 
 
@@ -88,7 +94,7 @@ def test_the_dataset_is_whole(released, mesh, tmp_path):
     write_result(released, tmp_path / "released.nc")
     result = open_result(tmp_path / "released.nc")
     assert result.attrs["solver"] == "fenics"
-    assert result.attrs["model"] in MODELS
+    assert result.attrs["model"] in SOLVER.models
     assert result.attrs["stop_reason"] == ""
     assert "dolfinx" in result.attrs["versions"]
     assert result["converged"].values.tolist() == [1, 1]
@@ -219,14 +225,16 @@ def test_the_held_points_carry_the_weight(mesh, thickness):
     from dolfinx import fem
     from mpi4py import MPI
 
+    from fenics_model.path.release_path import LoadPlace
     from fenics_model.release.specimen_solid import bilayer_solid
 
     prestretch = replace(COARSE.prestretch, thickness=thickness)
     heavy = replace(COARSE, gravity=9.81, prestretch=prestretch).with_milestones([1.2])
     body = bilayer_solid(heavy, mesh, SolidSettings(imperfection=0.0), MPI.COMM_SELF)
-    body.load(body.path.milestones[0])
+    body.load(LoadPlace((1.2, 1.2), weight=1.0, imperfection=0.0))
     upward = body.solid.component(2).collapse()[1]
-    residual = fem.assemble_vector(body.solid.residual).array
+    with body.solid.at(body.solid.undeformed):
+        residual = fem.assemble_vector(body.solid.residual).array
     substrate, kirigami = mesh.areas.sum(), mesh.areas[mesh.region == 1].sum()
     natural = substrate / 1.2**2 if thickness == "natural" else substrate
     mass = 960.0 * 1e-3 * (natural + kirigami)
