@@ -121,12 +121,17 @@ PATCH = SIDE * np.array([(-0.3, -0.25), (0.3, -0.25), (0.35, 0.1), (-0.1, 0.15)]
 
 def uneven(transform=lambda points: points, sign=1, angle=0.0):
     """Three unlike layers stretched along three pairs of axes, all turned or mirrored."""
+    lower, core, upper = (
+        Response("fixed", (1.02, 1.0), angle=0.3 * sign + angle),
+        Response("path", angle=0.9 * sign + angle),
+        Response("path", factor=0.2, angle=angle),
+    )
+    patch = Polygons([transform(PATCH)])
     layers = [
-        Layer("lower", 5e-4, PAPER, response=Response("fixed", (1.02, 1.0), angle=0.3 * sign + angle)),
-        Layer("core", 1e-3, TAPE, response=Response("path", angle=0.9 * sign + angle)),
-        Layer("upper", 7e-4, PAPER, pattern=Polygons([transform(PATCH)]),
-              response=Response("path", factor=0.2, angle=angle)),
-    ]  # fmt: skip
+        Layer("lower", 5e-4, PAPER, response=lower),
+        Layer("core", 1e-3, TAPE, response=core),
+        Layer("upper", 7e-4, PAPER, pattern=patch, response=upper),
+    ]
     return Specimen(Polygon(transform(CORNERS)), layers, Prestretch([(1.05, 1.02)]), COARSE)
 
 
