@@ -58,3 +58,9 @@ def test_either_of_two_layers_has_their_bond():
     specimen, mesh = paper_specimen(), grid_mesh([(0, 0)])
     sets = (frozenset({"substrate"}), frozenset({"kirigami"}))
     check_bonding(specimen, PlanarMesh(mesh.points, mesh.triangles, [0, 1], sets))
+
+
+def test_a_mesh_of_other_layers_is_refused():
+    _, mesh = pile("bottom")
+    with pytest.raises(InputError, match="mesh: has triangles of a layer 'bottom', expected layer"):
+        check_no_gap(paper_specimen(), mesh)
