@@ -77,9 +77,7 @@ def test_settings_name_what_is_wrong():
 
 @needs_dolfinx
 def test_settings_of_another_solver_are_refused(mesh):
-    with pytest.raises(
-        InputError, match=r"settings = MorleySettings.*: expected one of"
-    ):
+    with pytest.raises(InputError, match=r"settings = MorleySettings.*: expected one of"):
         solve(COARSE, MorleySettings(), mesh=mesh)
 
 
