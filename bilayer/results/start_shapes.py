@@ -77,21 +77,24 @@ class StartShapes:
 
     def take_shapes(self, begin: Stretch, end: Stretch) -> list[ShapeOnTheWay]:
         """Return the shapes on the way from one target to the next, in their order."""
-        candidates: dict[float, list[int]] = {}
-        for k in range(len(self.stretches)):
-            share = share_of_way(begin, end, self.stretches[k])
+        shares = [share_of_way(begin, end, pair) for pair in self.stretches]
+        taken: dict[float, int] = {}
+        for k in self._rows_up_to_arrival(shares):
+            share = shares[k]
             if share is not None:
-                candidates.setdefault(round(share, SAME_PLACE), []).append(k)
-        taken = {share: self._next_of(same) for share, same in sorted(candidates.items())}
+                taken.setdefault(round(share, SAME_PLACE), k)
         self.last = max([self.last, *taken.values()])
         length = way_length(begin, end)
         return [
-            ShapeOnTheWay((1 - share) * length, self.positions[k]) for share, k in taken.items()
+            ShapeOnTheWay((1 - share) * length, self.positions[k])
+            for share, k in sorted(taken.items())
         ]
 
-    def _next_of(self, same: list[int]) -> int:
-        """Return which of the shapes at one prestretch is taken."""
-        return next((k for k in same if k > self.last), same[-1])
+    def _rows_up_to_arrival(self, shares: list[float | None]) -> range:
+        """Return the shapes after the last one up to the first at the end; all if there is none."""
+        later = range(self.last + 1, len(shares))
+        arrival = next((k for k in later if shares[k] == 1), None)
+        return range(len(shares)) if arrival is None else range(self.last + 1, arrival + 1)
 
     def take_nearest(self, target: Stretch) -> ShapeOnTheWay:
         """Return the shape of the nearest prestretch, to stand in for that at a target.
