@@ -1,6 +1,6 @@
-"""The 3D finite-element model of a bilayer: mixed displacement-pressure, hyperelastic, released.
+"""The 3D finite-element model of a sheet: mixed displacement-pressure, hyperelastic, released.
 
-The planar mesh is extruded through both layers, a layer's prestretch is its natural state, and
+The planar mesh is extruded through all layers, a layer's prestretch is its natural state, and
 Newton's method follows the equilibria while it changes. dolfinx is loaded by `open_path` alone.
 """
 
