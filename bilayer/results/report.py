@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
@@ -95,7 +96,10 @@ def trust(result: xr.Dataset) -> str:
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}{missing}"
+    return (
+        f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}"
+        f"{_trust_as_shell(result)}{missing}"
+    )
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -126,6 +130,18 @@ def _trust_without_contact(result: xr.Dataset) -> str:
     return (
         f"The body TOUCHES ITSELF at {', '.join(names[k] for k in touching)}, first {between}; "
         "contact is not modelled, so those shapes pass through themselves."
+    )
+
+
+def _trust_as_shell(result: xr.Dataset) -> str:
+    """Say that the sheet is too thick for a shell, or nothing."""
+    specimen = result_specimen(result)
+    if result.attrs["solver"] != "dshell" or not is_thick(specimen):
+        return ""
+    return (
+        f" The sheet is TOO THICK FOR A SHELL: its whole thickness is "
+        f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
+        f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
     )
 
 
