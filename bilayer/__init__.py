@@ -26,9 +26,11 @@ if TYPE_CHECKING:
     from bilayer.mesh.planar import PlanarMesh, read_planar_mesh, write_planar_mesh
     from bilayer.results.comparison import compare
     from bilayer.results.conversion import convert_milestones, convert_result
-    from bilayer.results.result import open_result, result_mesh, result_specimen, write_result
+    from bilayer.results.files import open_result, write_result
+    from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
-    from bilayer.solvers.registry import solve
+    from bilayer.solvers.registry import follow, solve
+    from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.materials import (
         ArrudaBoyce,
         Gent,
@@ -40,13 +42,17 @@ if TYPE_CHECKING:
         Yeoh,
         register_law,
     )
-    from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
+    from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
+    from bilayer.specimen.pattern import Cross, CutPattern, Polygons, SectorProfile
+    from bilayer.specimen.prestretch import Prestretch
+    from bilayer.specimen.specimen import MeshSize, Specimen
     from bilayer.specimen.toml import (
         paper_specimen,
         parse_specimen,
         read_specimen,
         specimen_to_toml,
     )
+    from bilayer.specimen.two_layers import disc_bilayer
     from bilayer.study.dataset import open_study
     from dshell.settings import HingeSettings, MorleySettings, PaperSettings
     from fenics_model.settings import SolidSettings
@@ -68,9 +74,10 @@ _MODULES = {
     "bilayer.mesh.planar": ("PlanarMesh", "read_planar_mesh", "write_planar_mesh"),
     "bilayer.results.comparison": ("compare",),
     "bilayer.results.conversion": ("convert_milestones", "convert_result"),
-    "bilayer.results.result": ("open_result", "result_mesh", "result_specimen", "write_result"),
+    "bilayer.results.files": ("open_result", "write_result"),
+    "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
-    "bilayer.solvers.registry": ("solve",),
+    "bilayer.solvers.registry": ("follow", "solve"),
     "bilayer.specimen.materials": (
         "ArrudaBoyce",
         "Gent",
@@ -82,13 +89,18 @@ _MODULES = {
         "Yeoh",
         "register_law",
     ),
-    "bilayer.specimen.specimen": ("CutPattern", "Layer", "MeshSize", "Prestretch", "Specimen"),
+    "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
+    "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
+    "bilayer.specimen.pattern": ("Cross", "CutPattern", "Polygons", "SectorProfile"),
+    "bilayer.specimen.prestretch": ("Prestretch",),
+    "bilayer.specimen.specimen": ("MeshSize", "Specimen"),
     "bilayer.specimen.toml": (
         "paper_specimen",
         "parse_specimen",
         "read_specimen",
         "specimen_to_toml",
     ),
+    "bilayer.specimen.two_layers": ("disc_bilayer",),
     "bilayer.study.dataset": ("open_study",),
     "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
     "fenics_model.settings": ("SolidSettings",),

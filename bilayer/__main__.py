@@ -1,7 +1,24 @@
-"""`python -m bilayer`: the command line."""
+"""The command `bilayer`, also as `python -m bilayer`: Ctrl-C is heard from the first moment on."""
 
 import sys
 
-from bilayer.cli.main import main
+from bilayer.cli.interrupted import tell_interruption
+from bilayer.runtime.termination import signals_put_off, termination_as_ctrl_c
 
-sys.exit(main())
+
+def main() -> int:
+    """Run one verb and return the exit status.
+
+    What the command line needs takes a second to load. Ctrl-C and SIGTERM wait until it is there,
+    because a module that is loaded by half may turn them into another error.
+    """
+    try:
+        with termination_as_ctrl_c(), signals_put_off():
+            from bilayer.cli.main import main as run_verb
+        return run_verb()
+    except KeyboardInterrupt as interrupt:
+        return tell_interruption(interrupt)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

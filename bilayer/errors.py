@@ -1,5 +1,7 @@
 """What can go wrong, in two kinds: the input is bad, or the computation failed."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 INTERRUPTED = "interrupted"
@@ -14,8 +16,29 @@ class InputError(BilayerError, ValueError):
     """Bad input: the text names the field, its value and what was expected."""
 
 
+@contextmanager
+def fields_of(table: str) -> Iterator[None]:
+    """Say of an InputError that its field is one of a table: "size = ..." is "mesh.size = ..."."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{table}.{error}") from error
+
+
+class NotEnoughMemoryError(InputError):
+    """A computation that would not fit into the memory there is now; elsewhere or later it may."""
+
+
 class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
+
+
+class NotWrittenError(ComputationError):
+    """A file could not be written, for example on a full disk."""
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, where it is taken as Ctrl-C."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -25,8 +48,10 @@ class Interrupted(KeyboardInterrupt):
     ----------
     result : Dataset
         With those milestones; its `stop_reason` says that it was interrupted.
+    output : path-like or None
+        The file that has them, too.
     """
 
-    def __init__(self, result: Any) -> None:
+    def __init__(self, result: Any, output: Any = None) -> None:
         super().__init__("interrupted")
-        self.result = result
+        self.result, self.output = result, output

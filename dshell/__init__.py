@@ -1,15 +1,6 @@
 """The discrete shell in NumPy and SciPy: the solver "dshell"."""
 
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings
-from dshell.solver import BYTES_PER_TRIANGLE, DEFAULT_START, MODELS, PARALLEL, solve
+from dshell.solver import SOLVER
 
-__all__ = [
-    "BYTES_PER_TRIANGLE",
-    "DEFAULT_START",
-    "MODELS",
-    "PARALLEL",
-    "HingeSettings",
-    "MorleySettings",
-    "PaperSettings",
-    "solve",
-]
+__all__ = ["SOLVER", "HingeSettings", "MorleySettings", "PaperSettings"]

@@ -1,6 +1,6 @@
 """The 3D finite-element model of a bilayer: mixed displacement-pressure, hyperelastic, released."""
 
-from fenics_model.settings import BYTES_PER_TRIANGLE, MODELS, SolidSettings
-from fenics_model.solver import DEFAULT_START, PARALLEL, solve
+from fenics_model.settings import SolidSettings
+from fenics_model.solver import SOLVER
 
-__all__ = ["BYTES_PER_TRIANGLE", "DEFAULT_START", "MODELS", "PARALLEL", "SolidSettings", "solve"]
+__all__ = ["SOLVER", "SolidSettings"]

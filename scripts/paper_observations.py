@@ -6,7 +6,7 @@ import xarray as xr
 from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import flat_surface
 from bilayer.results.comparison import compare
-from bilayer.results.result import result_mesh
+from bilayer.results.schema import result_mesh
 
 PAPER_FIRST_QUALITY = 0.8
 """At 1.03, read off its figure 6 (section VII)."""

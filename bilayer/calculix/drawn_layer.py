@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.calculix.quadratic_mesh import Cells, QuadraticMesh
-from bilayer.specimen.specimen import BondedLayer
+from bilayer.specimen.layer import BondedLayer
+from bilayer.specimen.two_layers import TWO_LAYERS
 
 INTERFACE, MIDDLE, OUTSIDE = 0, 1, 2
 
@@ -57,7 +58,8 @@ def draw_layer(
     DrawnLayer
         Its first nodes are those of the vertices at the interface, in the planar mesh's order.
     """
-    kinds = zip(*(mesh.cells[region] for region in bonded.regions), strict=True)
+    regions = [region for region, there in enumerate(TWO_LAYERS) if bonded.name in there]
+    kinds = zip(*(mesh.cells[region] for region in regions), strict=True)
     flat = [np.concatenate(cells) for cells in kinds]
     on_layer = np.zeros((3, len(mesh.points)), dtype=bool)
     for cells in flat:

@@ -19,7 +19,8 @@ from bilayer.calculix.files import Convergence, Frd, read_convergence, read_frd
 from bilayer.calculix.quadratic_mesh import ELEMENTS
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.result import MilestoneState, build_result
+from bilayer.results.assembly import Provenance, build_result
+from bilayer.results.schema import MilestoneState
 from bilayer.results.table import stretch_text
 from bilayer.specimen.specimen import Specimen
 
@@ -85,7 +86,7 @@ def import_calculix(
     Returns
     -------
     Dataset
-        Of the milestones that the files are of; see `bilayer.results.result`.
+        Of the milestones that the files are of; see `bilayer.results.schema`.
 
     Raises
     ------
@@ -104,10 +105,12 @@ def import_calculix(
         specimen.with_milestones(milestones),
         mesh,
         [run.state(len(mesh.points)) for run in runs],
-        solver="calculix",
-        model=runs[0].element,
-        settings=CalculixSettings(runs[0].element, tuple(Path(path).name for path in paths)),
-        versions={"CalculiX": runs[0].frd.version},
+        Provenance.found(
+            "calculix",
+            runs[0].element,
+            CalculixSettings(runs[0].element, tuple(Path(path).name for path in paths)),
+            {"CalculiX": runs[0].frd.version},
+        ),
         stop_reason="; ".join(run.why_not for run in runs if run.why_not),
     )
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from bilayer.cli.parser import add_verb
 from bilayer.results.comparison import compare, comparison_table
-from bilayer.results.result import open_result
+from bilayer.results.files import open_result
 
 
 def add(verbs: Any) -> None:

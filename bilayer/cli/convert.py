@@ -5,7 +5,7 @@ from typing import Any
 
 from bilayer.cli.parser import add_verb
 from bilayer.results.conversion import convert_milestones, convert_result
-from bilayer.results.result import open_result
+from bilayer.results.files import open_result
 
 
 def add(verbs: Any) -> None:

@@ -13,8 +13,8 @@ from bilayer.cli.parser import (
     mesh_of,
     specimen_of,
 )
+from bilayer.results.files import write_result
 from bilayer.results.report import result_table
-from bilayer.results.result import write_result
 from bilayer.runtime.output_file import check_writable
 
 

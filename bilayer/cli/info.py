@@ -7,8 +7,8 @@ from typing import Any
 import xarray as xr
 
 from bilayer.cli.parser import add_verb
+from bilayer.results.files import open_result
 from bilayer.results.report import provenance
-from bilayer.results.result import open_result
 from bilayer.solvers.registry import SOLVERS
 from bilayer.solvers.rerun import solve_command
 

@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 
+from bilayer.cli.interrupted import tell_interruption
 from bilayer.cli.parser import Parser
 from bilayer.cli.verbs import VERBS
 from bilayer.errors import BilayerError, InputError
@@ -34,8 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(error, options, 2 if isinstance(error, InputError) else 1)
     except MemoryError as error:
         return _fail(error, options, 1)
-    except KeyboardInterrupt:
-        return 130
+    except KeyboardInterrupt as interrupt:
+        return tell_interruption(interrupt)
     except BrokenPipeError:  # the reader of our stdout has gone, as in `bilayer init | head -3`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

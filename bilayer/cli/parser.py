@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from bilayer.errors import InputError
+from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh, read_planar_mesh
-from bilayer.results.result import open_result, result_mesh
-from bilayer.specimen.specimen import KIRIGAMI, Specimen
+from bilayer.results.files import open_result
+from bilayer.results.schema import result_mesh
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
-
-CUT_TOLERANCE = 0.02
-"""Of the area, between what the kirigami of a mesh covers and what the cut leaves of it."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -79,33 +78,18 @@ def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
 
 
 def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
-    """Return the mesh of the command line, as large as the specimen, or a generated one."""
+    """Return the mesh of the command line, one of the specimen, or a generated one."""
     if options.mesh is None:
         return generate_mesh(specimen)
     if Path(options.mesh).suffix == ".nc":
         mesh = result_mesh(open_result(options.mesh))
     else:
-        mesh = read_planar_mesh(options.mesh)
-    radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
-    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
-        raise InputError(
-            f"mesh file {options.mesh}: its outermost node lies at {radius:g} m, expected "
-            f"specimen.outer_radius = {specimen.outer_radius} m"
-        )
-    if specimen.cut is not None:
-        _check_cut(options.mesh, mesh, specimen)
+        mesh = read_planar_mesh(options.mesh, specimen.layer_sets)
+    try:
+        check_agreement(specimen, mesh)
+    except InputError as error:
+        raise InputError(str(error).replace("mesh:", f"mesh file {options.mesh}:", 1)) from error
     return mesh
-
-
-def _check_cut(file: str, mesh: PlanarMesh, specimen: Specimen) -> None:
-    """Raise InputError where the kirigami of a mesh is not as large as the cut leaves it."""
-    covered = float(mesh.areas[mesh.region == KIRIGAMI].sum() / mesh.areas.sum())
-    expected = specimen.kirigami_share
-    if abs(covered - expected) > CUT_TOLERANCE:
-        raise InputError(
-            f"mesh file {file}: kirigami covers {covered:.1%} of it, expected {expected:.1%} by "
-            "[cut]; a mesh with a pattern of its own goes with a specimen without [cut]"
-        )
 
 
 def _milestone(word: str) -> Any:

@@ -4,7 +4,7 @@ import argparse
 from typing import Any
 
 from bilayer.cli.parser import add_verb
-from bilayer.results.result import open_result
+from bilayer.results.files import open_result
 
 
 def add(verbs: Any) -> None:

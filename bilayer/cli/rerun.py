@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from bilayer.cli.parser import add_verb
-from bilayer.results.result import open_result, write_result
+from bilayer.results.files import open_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
-from bilayer.solvers.registry import solver_package
+from bilayer.runtime.termination import termination_as_ctrl_c
+from bilayer.solvers.registry import solver_named
 from bilayer.solvers.rerun import (
     AGREEMENT,
     agree,
@@ -32,11 +33,16 @@ def add(verbs: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do it; return the exit status: 0 where the shapes agree."""
+    """Do it; return the exit status: 0 if the shapes agree."""
+    with termination_as_ctrl_c():
+        return _rerun(options)
+
+
+def _rerun(options: argparse.Namespace) -> int:
     join_mpi()
     first = is_first_rank()
     result = as_far_as_it_came(open_result(options.result))
-    if not (first or solver_package(result.attrs["solver"]).PARALLEL):
+    if not (first or solver_named(result.attrs["solver"]).parallel):
         return 0  # the first rank computes alone
     if options.output is not None:
         check_writable(Path(options.output))
@@ -48,9 +54,7 @@ def run(options: argparse.Namespace) -> int:
         )
     title = f"{result.attrs['solver']} {result.attrs['model']}"
     with progress_bar(title, shown=first and not options.quiet) as progress:
-        again = rerun(result, progress)
-    if first and options.output is not None:
-        write_result(again, options.output)
+        again = rerun(result, progress, options.output)
     table, good = differences(result, again), agree(result, again)
     if first:
         if not options.quiet:

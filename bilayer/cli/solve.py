@@ -12,14 +12,15 @@ from bilayer.cli.parser import (
     mesh_of,
     specimen_of,
 )
-from bilayer.errors import InputError, Interrupted
+from bilayer.errors import InputError
+from bilayer.results.files import open_result
 from bilayer.results.report import result_table
-from bilayer.results.result import open_result, write_result
-from bilayer.runtime.output_file import check_writable
+from bilayer.results.schema import NOT_MEASURED
+from bilayer.runtime.output_file import check_writable, remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.termination import termination_as_ctrl_c
-from bilayer.solvers.registry import SOLVERS, STARTS, settings_kind, solve, solver_package
+from bilayer.solvers.registry import SOLVERS, STARTS, settings_kind, solve, solver_named
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
 
 
@@ -34,6 +35,11 @@ def add(verbs: Any) -> None:
     verb.add_argument("--solver", required=True, choices=list(SOLVERS))
     verb.add_argument("--model", help="one of the solver's models, listed below")
     verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
+    verb.add_argument(
+        "--resume", action="store_true",
+        help="go on from FILE.nc if it is there: it has every milestone that an interrupted or "
+        "killed run had reached",
+    )  # fmt: skip
     add_case_arguments(verb)
     verb.add_argument(
         "--start", metavar="START",
@@ -46,11 +52,17 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    with termination_as_ctrl_c():
+        return _solve(options)
+
+
+def _solve(options: argparse.Namespace) -> int:
     join_mpi()
     first = is_first_rank()
-    if not (first or solver_package(options.solver).PARALLEL):
+    if not (first or solver_named(options.solver).parallel):
         return 0  # the first rank computes alone
-    check_writable(Path(options.output))
+    output = Path(options.output)
+    check_writable(output)
     values, overrides = split_solver_settings(options.overrides)
     if "model" in values:
         raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")
@@ -60,40 +72,36 @@ def run(options: argparse.Namespace) -> int:
     start = options.start if options.start in (None, *STARTS) else open_result(options.start)
     if options.verbose and first:
         print(settings, file=sys.stderr)
-    with (
-        termination_as_ctrl_c(),
-        progress_bar(options.solver, shown=first and not options.quiet) as progress,
-    ):
-        try:
-            result = solve(
-                specimen, options.solver, settings, mesh=mesh, start=start, progress=progress
-            )
-        except Interrupted as interrupted:
-            write_result(interrupted.result, options.output)
-            _tell_what_is_kept(interrupted.result, options.output)
-            raise
-    if first:
-        write_result(result, options.output)
-        if not options.quiet:
-            print(result_table(result))
+    if options.resume and first:
+        remove_leftovers(output)
+    with progress_bar(options.solver, shown=first and not options.quiet) as progress:
+        result = solve(
+            specimen,
+            options.solver,
+            settings,
+            mesh=mesh,
+            start=start,
+            progress=progress,
+            output=output,
+            resume=output if options.resume and output.exists() else None,
+        )
+    if first and not options.quiet:
+        print(result_table(result))
     return _status_of(result, settings, told=first)
-
-
-def _tell_what_is_kept(result: Any, file: str) -> None:
-    done = f"{int(result['converged'].sum())} of {result.sizes['prestretch']}"
-    print(f"bilayer: interrupted; {file} has {done} milestones", file=sys.stderr)
 
 
 def _describe_settings() -> str:
     lines = ["settings of the solvers, changed by --set solver.NAME=VALUE:"]
     for name in SOLVERS:
-        for model, kind in solver_package(name).MODELS.items():
+        for model, kind in solver_named(name).models.items():
             lines += [f"\n--solver {name} --model {model}", describe(kind)]
     return "\n".join(lines)
 
 
 def _status_of(result: Any, settings: Any, told: bool) -> int:
     """Return 1 for a run that stopped early, unless stopping is one of the model's results."""
+    if told and NOT_MEASURED in result.attrs:
+        print(f"bilayer: not measured: {result.attrs[NOT_MEASURED]}", file=sys.stderr)
     if bool(result["converged"].all()):
         return 0
     if told:

@@ -72,10 +72,10 @@ class BondedBody:
         """Return the body that a specimen is when bonded at a prestretch."""
         layers = specimen.bonded_layers(stretch)
         sheets = [
-            Sheet(part.top if part.is_above else part.bottom, mesh.faces_in(part.regions))
+            Sheet(part.top if part.is_above else part.bottom, mesh.faces_of(part.name))
             for part in layers
         ]
-        longest = max(max(part.stretch) for part in layers)
+        longest = max(max(part.axial_stretch) for part in layers)
         return cls(mesh, sheets, shrinkage=1 / max(1.0, longest))
 
     @property

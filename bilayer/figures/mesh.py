@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bilayer.figures.style import MILLIMETRES, new_figure, print_style
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.two_layers import KIRIGAMI
 
 BILAYER_EDGE, BARE_EDGE = "black", "#D5202A"
 

@@ -29,11 +29,13 @@ from bilayer.figures.style import (
 )
 from bilayer.geometry.surface import Surface
 from bilayer.measures.body_frame import body_frame
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
-from bilayer.results.result import result_mesh
+from bilayer.results.milestones import along_milestones
+from bilayer.results.schema import result_mesh
 from bilayer.results.table import stretch_text, stretches
+from bilayer.specimen.two_layers import KIRIGAMI
 
 Array = NDArray[np.float64]
 
@@ -90,7 +92,7 @@ def draw_shapes(result: xr.Dataset) -> Figure:
     Parameters
     ----------
     result : Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
 
     Raises
     ------
@@ -102,6 +104,7 @@ def draw_shapes(result: xr.Dataset) -> Figure:
 
 def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
     """Stack the views, each a grid of panels, under one legend."""
+    result = along_milestones(result)
     mesh = result_mesh(result)
     shapes = _shapes(result, mesh)
     rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)

@@ -29,6 +29,32 @@ def aligned(moving: Array, fixed: Array, weights: Array) -> Array:
     return rotation.apply(_centred(moving, weights)) + np.average(fixed, axis=0, weights=weights)
 
 
+def aligned_gradient(moving: Array, fixed: Array, weights: Array, gradient: Array) -> Array:
+    """Return the gradient by `moving` of a function whose gradient by `aligned` is given.
+
+    The rotation follows the points. For a small turn w of the aligned points y about the fixed ones
+    f, the condition sum weights y x f = 0 of the best rotation gives
+
+        (trace(S) 1 - S) w = sum weights dy x f,    S = sum weights y f'.
+
+    Parameters
+    ----------
+    moving, fixed, weights
+        As those of `aligned`.
+    gradient : (n, 3) array of float
+        Derivative of a number by the aligned points.
+    """
+    rotation = best_rotation(moving, fixed, weights)
+    turned, target = rotation.apply(_centred(moving, weights)), _centred(fixed, weights)
+    inertia = (weights[:, None] * turned).T @ target
+    stiffness = np.trace(inertia) * np.eye(3) - (inertia + inertia.T) / 2
+    torque = np.cross(turned, gradient).sum(axis=0)
+    turn = np.linalg.solve(stiffness, torque)
+    by_turned = gradient + weights[:, None] * np.cross(target, turn)
+    by_turned -= np.outer(weights / weights.sum(), gradient.sum(axis=0))
+    return rotation.apply(by_turned, inverse=True)
+
+
 def rms_distance(moving: Array, fixed: Array, weights: Array) -> float:
     """Return the weighted rms distance of two point sets after rigid alignment, m.
 

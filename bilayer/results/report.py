@@ -7,13 +7,16 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.results.effort import effort_lines
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.milestones import along_milestones
+from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
-from bilayer.specimen.specimen import CutPattern, Specimen
+from bilayer.specimen.pattern import CutPattern, Pattern
+from bilayer.specimen.specimen import Specimen
 
 
 def result_table(result: xr.Dataset) -> str:
     """Return one line per milestone, under two of titles and units: shape, stability, effort."""
+    result = along_milestones(result)
     span = result["span"].values
     columns = {
         ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
@@ -37,12 +40,14 @@ def result_table(result: xr.Dataset) -> str:
 
 def provenance(result: xr.Dataset) -> str:
     """Return what made a result: solver, specimen, mesh, settings, versions, and its table."""
+    result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
+    cuts = [layer.pattern for layer in specimen.layers if layer.pattern is not None]
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: radius {1e3 * specimen.outer_radius:g} mm, "
-        + ("uncut" if specimen.cut is None else _cut(specimen.cut)),
+        f"specimen    {specimen.name}: radius {1e3 * specimen.characteristic_length:g} mm, "
+        + ("uncut" if not cuts else _cut(cuts[0])),
         *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -54,6 +59,8 @@ def provenance(result: xr.Dataset) -> str:
     ]
     if result.attrs["stop_reason"]:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
+    if NOT_MEASURED in result.attrs:
+        lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
     return "\n".join([*lines, "", result_table(result), "", trust(result)])
 
 
@@ -128,7 +135,9 @@ def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
 
 
-def _cut(cut: CutPattern) -> str:
+def _cut(cut: Pattern) -> str:
+    if not isinstance(cut, CutPattern):
+        return cut.identity
     inner = 1e3 * cut.inner_radius
     return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
 
@@ -142,7 +151,7 @@ def _layers(specimen: Specimen) -> list[str]:
             f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
             f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
         )
-        if part.name in specimen.prestretch.layers:
+        if part.layer.is_stretched:
             line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
         lines.append(f"{line}, {'above' if part.is_above else 'below'}")
     return lines

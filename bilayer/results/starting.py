@@ -6,14 +6,13 @@ makes them in seconds (`shell_start`), and a solver that goes there takes few it
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.result import SAME_STRETCH, starting_shape
+from bilayer.results.start_shapes import StartShapes, way_length
 from bilayer.specimen.specimen import Specimen
 
 LONGEST_WAY = 0.06
@@ -27,62 +26,30 @@ another result, or by itself (the shell)."""
 Stretch = tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
-class ShapeOnTheWay:
-    """A shape of a start, where it is of use.
+def starting_shape(start: xr.Dataset, mesh: PlanarMesh, stretch: Stretch) -> NDArray[np.float64]:
+    """Return the shape of a result at its milestone nearest to a prestretch.
 
-    Parameters
-    ----------
-    milestone : int
-        The milestone of the run that it is at, or before.
-    remaining : float
-        Change of the prestretch from the shape to the milestone, 0 at it.
-    shape : (n, 3) array of float
-        The bonded interface, m, in any position and orientation.
+    Returns
+    -------
+    (n, 3) array of float
+        The reference surface, m.
+
+    Raises
+    ------
+    InputError
+        The result is on another planar mesh, or reached no milestone.
     """
-
-    milestone: int
-    remaining: float
-    shape: NDArray[np.float64]
+    return StartShapes.of(start, mesh).take_nearest(stretch).shape
 
 
 def with_waypoints(specimen: Specimen) -> Specimen:
     """Return the specimen with milestones added where two are far apart in prestretch."""
     milestones: list[Stretch] = []
     for begin, end in _ways(specimen.prestretch.milestones):
-        pieces = max(1, math.ceil(_length(begin, end) / LONGEST_WAY * (1 - 1e-9)))
+        pieces = max(1, math.ceil(way_length(begin, end) / LONGEST_WAY * (1 - 1e-9)))
         milestones += [_between(begin, end, piece / pieces) for piece in range(1, pieces)]
         milestones.append(end)
     return specimen.with_milestones(milestones)
-
-
-def shapes_on_the_way(
-    start: xr.Dataset, mesh: PlanarMesh, milestones: Sequence[Stretch]
-) -> list[ShapeOnTheWay]:
-    """Return the shapes of a start at the milestones of a run and between them, in their order.
-
-    Where none is at the first milestone or before it, the shape of the nearest prestretch stands
-    in for it.
-
-    Raises
-    ------
-    InputError
-        The start is on another planar mesh, or reached no milestone.
-    """
-    nearest = starting_shape(start, mesh, max(milestones[0]))
-    done = start["converged"].values == 1
-    pairs = np.column_stack([start["prestretch_x"].values, start["prestretch_y"].values])[done]
-    positions = start["position"].values[done]
-    found = []
-    for milestone, (begin, end) in enumerate(_ways(milestones)):
-        shares = [_share(begin, end, pair) for pair in pairs]
-        found += [
-            ShapeOnTheWay(milestone, (1 - share) * _length(begin, end), positions[k])
-            for share, k in sorted((share, k) for k, share in enumerate(shares) if share)
-        ]
-    if not found or found[0].milestone > 0:
-        found.insert(0, ShapeOnTheWay(0, 0.0, nearest))
-    return found
 
 
 def began(start: xr.Dataset | None) -> str:
@@ -103,24 +70,6 @@ def _ways(milestones: Sequence[Stretch]) -> list[tuple[Stretch, Stretch]]:
     return list(zip([(1.0, 1.0), *milestones[:-1]], milestones, strict=True))
 
 
-def _length(begin: Stretch, end: Stretch) -> float:
-    return max(abs(b - a) for a, b in zip(begin, end, strict=True))
-
-
 def _between(begin: Stretch, end: Stretch, share: float) -> Stretch:
     x, y = (a + share * (b - a) for a, b in zip(begin, end, strict=True))
     return x, y
-
-
-def _share(begin: Stretch, end: Stretch, pair: NDArray[np.float64]) -> float | None:
-    """Return where on the way a pair lies, in (0, 1], or None."""
-    length = _length(begin, end)
-    if length < SAME_STRETCH:
-        return 1.0 if np.abs(pair - end).max() < SAME_STRETCH else None
-    axis = int(np.argmax(np.abs(np.subtract(end, begin))))
-    share = float((pair[axis] - begin[axis]) / (end[axis] - begin[axis]))
-    if np.abs(pair - _between(begin, end, share)).max() > SAME_STRETCH:
-        return None
-    if abs(share - 1) * length < SAME_STRETCH:
-        return 1.0
-    return share if SAME_STRETCH < share * length < length else None

@@ -3,8 +3,11 @@
 import contextlib
 import os
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
+
+from bilayer.errors import BilayerError, ComputationError
 
 LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
 """Variables by which mpirun, or srun in its place, tells a process its rank."""
@@ -51,6 +54,42 @@ def world_of_ranks() -> Any:
     Such a process starts no others: they would pass for its rank, and MPI wait for them at its end.
     """
     return _communicator() if any(name in os.environ for name in LAUNCHERS) else None
+
+
+def on_first_rank(comm: Any, action: Callable[[], None]) -> None:
+    """Do something on the first of some ranks; raise on all of them what it raises.
+
+    Parameters
+    ----------
+    comm : mpi4py.MPI.Comm or None
+        All of them call; None: this process alone.
+    action : callable
+        Called on the first rank.
+
+    Raises
+    ------
+    BilayerError
+        As raised by the action.
+    ComputationError
+        On the other ranks, if the action raised anything else.
+    """
+    if comm is None or comm.Get_size() == 1:
+        action()
+        return
+    failure: Exception | None = None
+    if comm.Get_rank() == 0:
+        try:
+            action()
+        except Exception as error:
+            failure = error
+    told = failure
+    if failure is not None and not isinstance(failure, BilayerError):
+        told = ComputationError(f"on the first rank: {type(failure).__name__}: {failure}")
+    told = comm.bcast(told)
+    if failure is not None:
+        raise failure
+    if told is not None:
+        raise told
 
 
 def _communicator() -> Any:

@@ -19,17 +19,18 @@ def git_commit() -> str:
 
     It ends in "-dirty" where what makes results has been changed since.
 
-    An installed package has no checkout; it may have been told its commit when it was built.
+    An installed package has no checkout; it may have been told its commit when it was built. If
+    the commit cannot be found out, for whatever reason, the text is empty.
     """
-    if COMMIT_FILE.exists():
-        return COMMIT_FILE.read_text().strip()
     checkout = Path(__file__).parents[2]
-    if not (checkout / ".git").exists():  # another project's repository may be further up
-        return ""
     try:
+        if COMMIT_FILE.exists():
+            return COMMIT_FILE.read_text(encoding="utf-8").strip()
+        if not (checkout / ".git").exists():  # another project's repository may be further up
+            return ""
         commit = _git(checkout, "describe", "--always")
         changed = _git(checkout, "status", "--porcelain", "--untracked-files=no", "--", *MAKERS)
-    except (OSError, subprocess.SubprocessError):
+    except (OSError, UnicodeError, subprocess.SubprocessError):
         return ""
     return f"{commit}-dirty" if changed else commit
 
@@ -50,5 +51,5 @@ def own_versions() -> dict[str, str]:
 def _installed(package: str) -> str:
     try:
         return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
+    except Exception:  # the metadata of an installed package may be damaged in any way
         return ""

@@ -1,20 +1,12 @@
 """The solvers by name, loaded when asked for, so that reading results needs neither of them.
 
-A solver is a package with
-
-- `MODELS`: its models by name, each the dataclass of that model's settings; the first is the
-  default (its class attribute `stopping_is_a_result` says whether a run that stops early succeeds);
-- `PARALLEL`: whether the ranks of `mpirun` share one case;
-- `BYTES_PER_TRIANGLE`: memory that it takes, for the check before a run;
-- `DEFAULT_START`: one of `STARTS`, from where its runs start unless told;
-- `solve(specimen, settings, *, mesh=None, start=None, comm=None, progress=None)`, which returns
-  the dataset of `bilayer.results.result`; `start` is a result, a function that makes one on the
-  mesh of the run, or None for the flat state.
+A solver is a package with an object `SOLVER`, see `bilayer.solvers.contract`.
 """
 
+from collections.abc import Iterator, Sequence
 from functools import partial
 from importlib import import_module
-from types import ModuleType
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
@@ -23,7 +15,12 @@ from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.starting import with_waypoints
 from bilayer.runtime.progress import Progress
+from bilayer.runtime.termination import signals_put_off
+from bilayer.solvers.contract import Equilibrium, Solver, Start
+from bilayer.solvers.path import Observer
+from bilayer.solvers.run import follow_with, solve_with
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.toml import read_specimen
 from bilayer.validation import one_of
 
 SOLVERS = {"fenics": "fenics_model", "dshell": "dshell"}
@@ -32,19 +29,22 @@ STARTS = ("shell", "flat")
 """From where a run starts: the accurate shell's shapes lead the way, or the flat state."""
 
 
-def solver_package(name: str) -> ModuleType:
-    """Return the package of a solver; raise InputError where the name is unknown."""
-    return import_module(SOLVERS[one_of("solver", name, SOLVERS)])
+def solver_named(name: str) -> Solver:
+    """Return a solver; raise InputError if the name is unknown."""
+    with signals_put_off():  # compiled modules may turn Ctrl-C into another error
+        package = import_module(SOLVERS[one_of("solver", name, SOLVERS)])
+    solver: Solver = package.SOLVER
+    return solver
 
 
 def settings_kind(solver: str, model: str | None = None) -> type:
     """Return the settings dataclass of a solver's model; None is the solver's default model."""
-    models = solver_package(solver).MODELS
+    models = solver_named(solver).models
     return models[next(iter(models)) if model is None else one_of("model", model, models)]
 
 
 def solve(
-    specimen: Specimen,
+    specimen: Specimen | str | Path,
     solver: str = "fenics",
     settings: Any = None,
     *,
@@ -52,47 +52,136 @@ def solve(
     start: xr.Dataset | str | None = None,
     comm: Any = None,
     progress: Progress | None = None,
+    observers: Sequence[Observer] = (),
+    output: str | Path | None = None,
+    resume: str | Path | None = None,
 ) -> xr.Dataset:
     """Compute the shapes of a specimen at its milestones.
 
     Parameters
     ----------
-    specimen : Specimen
-        What to release.
+    specimen : Specimen or path-like
+        The specimen, or its file.
     solver : {"fenics", "dshell"}
         Which package computes.
     settings : settings dataclass, optional
-        One of the solver's `MODELS`; the default model with its defaults where left out.
+        One of the solver's models; the default model with its defaults if left out.
     mesh : PlanarMesh, optional
-        The planar mesh to use; made from the specimen where left out.
+        The planar mesh to use; made from the specimen if left out.
     start : {"shell", "flat"} or Dataset, optional
         "shell": the shapes of the accurate discrete shell lead the way. "flat": nothing does, but
         that a fine mesh of the shell goes by a coarse one (its setting `coarse_triangles`). A
         result on the same mesh, from either solver: its shape starts the first milestone, and leads
-        to the others that it has. The solver's own default where left out.
+        to the others that it has. The solver's own default if left out.
     comm : mpi4py.MPI.Comm, optional
-        The communicator; COMM_WORLD where a solver is parallel and none is given.
+        The communicator; COMM_WORLD if a solver is parallel and none is given.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
+    observers : sequence of callable
+        Each is told of every `bilayer.solvers.path.LoadStep`, on every rank, after the milestone is
+        kept.
+    output : path-like, optional
+        Result file: each milestone is in it when it is reached, whatever happens after.
+    resume : path-like, optional
+        Result file of a run that was not finished, of the same specimen, settings and milestones:
+        go on from its last milestone. A finished one is returned as it is.
 
     Returns
     -------
     Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
+
+    Raises
+    ------
+    InputError
+        See the message.
+    Interrupted
+        Ctrl-C; with the milestones that were reached, if there are any.
     """
-    package = solver_package(solver)
-    chosen = settings_kind(solver)() if settings is None else settings
-    begin = _start_of(specimen, solver, package.DEFAULT_START if start is None else start)
-    return package.solve(specimen, chosen, mesh=mesh, start=begin, comm=comm, progress=progress)
+    asked, chosen = specimen_given(specimen), solver_named(solver)
+    return solve_with(
+        chosen,
+        asked,
+        settings_kind(solver)() if settings is None else settings,
+        mesh=mesh,
+        start=_start_of(asked, chosen, start),
+        comm=comm,
+        progress=progress,
+        observers=observers,
+        output=output,
+        resume=resume,
+    )
 
 
-def _start_of(specimen: Specimen, solver: str, start: xr.Dataset | str) -> Any:
-    """Return what a solver's package takes for a start."""
-    if not isinstance(start, str):
-        return start
-    if one_of("start", start, STARTS) == "flat":
+def follow(
+    specimen: Specimen | str | Path,
+    solver: str = "fenics",
+    settings: Any = None,
+    *,
+    mesh: PlanarMesh | None = None,
+    start: xr.Dataset | str | None = None,
+    comm: Any = None,
+    observers: Sequence[Observer] = (),
+) -> Iterator[Equilibrium]:
+    """Follow a specimen through its milestones, one equilibrium after the other.
+
+    Parameters
+    ----------
+    specimen, solver, settings, mesh, start, comm, observers
+        As for `solve`.
+
+    Yields
+    ------
+    Equilibrium
+        Each one on the way; those at a milestone have `share` = 1. It is live until the next one
+        is asked for: see `bilayer.solvers.contract.Equilibrium`.
+
+    Raises
+    ------
+    ComputationError
+        The path ends before the last milestone.
+
+    Examples
+    --------
+    >>> for equilibrium in bilayer.follow("specimen.toml", "dshell"):  # doctest: +SKIP
+    ...     if equilibrium.share == 1:
+    ...         print(equilibrium.stretch, equilibrium.measures().shape.height)
+    """
+    asked, chosen = specimen_given(specimen), solver_named(solver)
+    return follow_with(
+        chosen,
+        asked,
+        settings_kind(solver)() if settings is None else settings,
+        mesh=mesh,
+        start=_start_of(asked, chosen, start),
+        comm=comm,
+        observers=observers,
+    )
+
+
+def specimen_given(specimen: Specimen | str | Path) -> Specimen:
+    """Return a specimen, read if its file is given.
+
+    Raises
+    ------
+    InputError
+        It is neither, or the file cannot be read.
+    """
+    if isinstance(specimen, Specimen):
+        return specimen
+    if isinstance(specimen, (str, Path)):
+        return read_specimen(specimen)
+    raise InputError(f"specimen = {specimen!r}: expected a Specimen or the path of its file")
+
+
+def _start_of(specimen: Specimen, solver: Solver, start: xr.Dataset | str | None) -> Start:
+    """Return what a solver's path takes for a start."""
+    chosen = solver.default_start if start is None else start
+    if not isinstance(chosen, str):
+        return chosen
+    if one_of("start", chosen, STARTS) == "flat":
         return None
-    if solver == "dshell":
+    if solver.name == "dshell":
         raise InputError("start = 'shell': expected 'flat' or a result, the shell leads itself")
     return partial(_shell_result, specimen)
 

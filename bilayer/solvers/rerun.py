@@ -8,6 +8,7 @@ begins as usual: the file does not hold that one.
 
 import shlex
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,11 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.errors import INTERRUPTED
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.results.starting import ANOTHER_RESULT, FLAT
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.registry import settings_kind, solve, solver_package
+from bilayer.solvers.registry import settings_kind, solve, solver_named
 from bilayer.specimen.settings import settings_from
 
 AGREEMENT = 1e-8
@@ -38,7 +39,9 @@ def as_far_as_it_came(result: xr.Dataset) -> xr.Dataset:
     return result.isel(prestretch=result["converged"].values == 1)
 
 
-def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
+def rerun(
+    result: xr.Dataset, progress: Progress | None = None, output: str | Path | None = None
+) -> xr.Dataset:
     """Compute the milestones of a result again.
 
     Parameters
@@ -47,11 +50,13 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
         From `bilayer.open_result`.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
+    output : path-like, optional
+        File of the new result, see `bilayer.solve`.
 
     Returns
     -------
     Dataset
-        See `bilayer.results.result`.
+        See `bilayer.results.schema`.
 
     Raises
     ------
@@ -67,6 +72,7 @@ def rerun(result: xr.Dataset, progress: Progress | None = None) -> xr.Dataset:
         mesh=result_mesh(result),
         start=FLAT if result.attrs.get("start") == FLAT else None,
         progress=progress,
+        output=output,
     )
 
 
@@ -98,7 +104,7 @@ def solve_command(result: xr.Dataset, file: str) -> str:
     for name, value in tomllib.loads(result.attrs["settings"]).items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
-    if result.attrs.get("start") == FLAT != solver_package(solver).DEFAULT_START:
+    if result.attrs.get("start") == FLAT != solver_named(solver).default_start:
         words += ["--start", FLAT]
     if began_elsewhere(result):
         words += ["--start", "START.nc"]
@@ -144,9 +150,9 @@ def agree(first: xr.Dataset, second: xr.Dataset) -> bool:
     The positions of all nodes agree to `AGREEMENT` times the outer radius.
     """
     reached = np.array_equal(first["converged"].values, second["converged"].values)
-    radius = result_specimen(first).outer_radius
+    length = result_specimen(first).characteristic_length
     distance = _largest(first["position"].values, second["position"].values)
-    return reached and bool(distance <= AGREEMENT * radius)
+    return reached and bool(distance <= AGREEMENT * length)
 
 
 def _word(value: Any) -> str:

@@ -1,12 +1,20 @@
-"""One case of a study, computed and kept: its result, or the reason why there is none."""
+"""One case of a study, computed and kept: its result, or the reason why there is none.
+
+Each milestone is in the folder when it is reached. A case that was interrupted goes on from there.
+"""
 
 import time
 import traceback
+from pathlib import Path
 from typing import Any
 
-from bilayer.solvers.registry import solve, solver_package
+from bilayer.errors import InputError, NotEnoughMemoryError, NotWrittenError
+from bilayer.results.files import open_result
+from bilayer.runtime.output_file import remove_leftovers
+from bilayer.solvers.registry import solve, solver_named
+from bilayer.solvers.resuming import open_unfinished
 from bilayer.study.case import Case
-from bilayer.study.folder import BEGUN, StudyFolder
+from bilayer.study.folder import BEGUN, FAILED, LACKS_MEMORY, StudyFolder
 
 
 def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
@@ -25,21 +33,55 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
 
     Raises
     ------
-    ComputationError
-        The folder cannot be written, for example on a full disk.
+    NotWrittenError
+        The folder cannot be written, for example on a full disk; the case stays to be computed.
     """
     first = comm is None or comm.Get_rank() == 0
-    if not (first or solver_package(case.solver).PARALLEL):
+    if not (first or solver_named(case.solver).parallel):
         return  # the first rank computes alone
     if first:
         folder.log(BEGUN, case)
     start = time.perf_counter()
     try:
-        result = solve(case.specimen, case.solver, case.settings, comm=comm)
+        earlier = _earlier_file(case, folder, first)
+        before = 0.0 if earlier is None else _seconds_in(earlier)
+        result = solve(
+            case.specimen,
+            case.solver,
+            case.settings,
+            comm=comm,
+            output=folder.unfinished_file(case.identity),
+            resume=earlier,
+        )
+    except NotWrittenError as error:
+        if first:
+            folder.log_not_written(case, error)
+        raise
     except Exception as error:
         if first:
+            lacks_memory = isinstance(error, (NotEnoughMemoryError, MemoryError))
+            status = LACKS_MEMORY if lacks_memory else FAILED
             reason = f"{type(error).__name__}: {error}"
-            folder.keep_failure(case, reason, traceback.format_exc())
+            folder.keep_failure(case, reason, traceback.format_exc(), status)
         return
     if first:
-        folder.keep_result(case, result, time.perf_counter() - start)
+        folder.keep_result(case, result, before + time.perf_counter() - start)
+
+
+def _earlier_file(case: Case, folder: StudyFolder, first: bool) -> Path | None:
+    """Return the file with the milestones of an earlier start, if it can go on from there."""
+    file = folder.unfinished_file(case.identity)
+    if first:
+        remove_leftovers(file)
+    if not file.exists():
+        return None
+    try:
+        unfinished = open_unfinished(file)
+    except InputError:  # of a version that this one cannot read
+        return None
+    return None if unfinished is None else file
+
+
+def _seconds_in(file: Path) -> float:
+    """Return the seconds that an earlier start spent on the milestones in its file."""
+    return float(open_result(file)["wall_time"].sum())

@@ -28,7 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import BARE, KIRIGAMI, BondedLayer, Specimen
+from bilayer.specimen.layer import BondedLayer
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.two_layers import KIRIGAMI, TWO_LAYERS, TwoLayers
 from dshell.energies.edge_springs import EdgeSprings
 from dshell.energies.hinges import Hinges
 from dshell.energies.topology import FaceNeighbours, Topology
@@ -67,7 +69,7 @@ class Section:
         modulus = np.array([material.young_modulus for material in materials])
         plane = modulus / (1 - np.array([material.poisson_ratio for material in materials]) ** 2)
         bottom, top = np.array([(part.bottom, part.top) for part in layers]).T
-        scale = np.array([part.layer.material.natural_scale(part.stretch) for part in layers])
+        scale = np.array([part.layer.material.natural_scale(part.axial_stretch) for part in layers])
         natural = scale[:, :2] - 1
         thickness, middle = top - bottom, (top + bottom) / 2
         axis = (plane * thickness) @ middle / (plane @ thickness)
@@ -84,10 +86,10 @@ class Section:
 
 def specimen_sections(specimen: Specimen, stretch: tuple[float, float]) -> tuple[Section, Section]:
     """Return the section of the bare substrate and that of the bilayer."""
+    TwoLayers.of(specimen, "model = 'hinge'")
     layers = specimen.bonded_layers(stretch)
     bare, bilayer = (
-        Section.of([part for part in layers if region in part.regions])
-        for region in (BARE, KIRIGAMI)
+        Section.of([part for part in layers if part.name in there]) for there in TWO_LAYERS
     )
     return bare, bilayer
 

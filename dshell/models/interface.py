@@ -36,3 +36,44 @@ def bonded_interface(
     normals = np.column_stack(around) / np.linalg.norm(around, axis=0)[:, None]
     stretch = sum_at_nodes(triangles, areas) / sum_at_nodes(triangles, flat_areas)
     return position + (height / stretch)[:, None] * normals
+
+
+def bonded_interface_gradient(
+    position: Array,
+    triangles: NDArray[np.int64],
+    flat_areas: Array,
+    height: Array | float,
+    gradient: Array,
+) -> Array:
+    """Return the gradient by the surface of a function whose gradient by the interface is given.
+
+    Parameters
+    ----------
+    position, triangles, flat_areas, height
+        As those of `bonded_interface`.
+    gradient : (n, 3) array of float
+        Derivative of a number by the interface.
+
+    Returns
+    -------
+    (n, 3) array of float
+        Its derivative by the surface.
+    """
+    a, b, c = np.moveaxis(position[triangles], 1, 0)
+    area_vectors = 0.5 * np.cross(b - a, c - a)
+    areas = np.linalg.norm(area_vectors, axis=1)
+    around = np.column_stack([sum_at_nodes(triangles, column) for column in area_vectors.T])
+    length = np.linalg.norm(around, axis=1)
+    normals = around / length[:, None]
+    flat_around = sum_at_nodes(triangles, flat_areas)
+    stretch = sum_at_nodes(triangles, areas) / flat_around
+    along = np.sum(gradient * normals, axis=1)
+    by_around = (height / stretch / length)[:, None] * (gradient - along[:, None] * normals)
+    by_area = -height / stretch**2 * along / flat_around
+    by_vectors = by_around[triangles].sum(axis=1)
+    by_vectors += (by_area[triangles].sum(axis=1) / areas)[:, None] * area_vectors
+    by_b, by_c = 0.5 * np.cross(c - a, by_vectors), 0.5 * np.cross(by_vectors, b - a)
+    total = gradient.copy()
+    for corner, part in enumerate((-by_b - by_c, by_b, by_c)):
+        np.add.at(total, triangles[:, corner], part)
+    return total

@@ -36,7 +36,7 @@ class Landing:
     outcome : Outcome
         With the iterations of every side that was tried.
     unstable_modes : int or None
-        Of the equilibrium; None where there is none.
+        Of the equilibrium; None if there is none, or nobody has counted.
     """
 
     outcome: Outcome
@@ -134,6 +134,25 @@ class AnyBranch:
             longest_step=FOLLOWING_STEP * limits.longest_step,
         )
         return _landed(self._solver, body, self._solver.balance(body, start, near))
+
+
+class NextEquilibrium:
+    """Goes downhill to an equilibrium, whatever its stability, and does not count its modes.
+
+    Parameters
+    ----------
+    solver : EquilibriumSolver
+        Of the shell.
+    """
+
+    def __init__(self, solver: EquilibriumSolver) -> None:
+        self._solver = solver
+
+    def land(
+        self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
+    ) -> Landing:
+        """Return where the last of some bodies comes to rest; see `Branch`."""
+        return Landing(self._solver.settle(bodies, start, limits), None)
 
 
 def _landed(solver: EquilibriumSolver, body: Body, outcome: Outcome) -> Landing:

@@ -45,7 +45,7 @@ def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarM
     """
     if triangles == 0 or len(mesh.triangles) <= GAIN * triangles:
         return None
-    size = MeshSize(size_for(triangles, specimen.outer_radius))
+    size = MeshSize(size_for(triangles, specimen.characteristic_length))
     try:
         coarse = generate_mesh(replace(specimen, mesh=size))
     except BilayerError:  # gmsh is not there, or it cannot draw strips so coarsely

@@ -5,23 +5,29 @@ to zero, a weak viscous force acts, the node nearest to the origin is held. Wher
 stops converging the run ends with its last shape, which the paper reports as a result too.
 """
 
-import time
-from collections.abc import Callable
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.errors import INTERRUPTED, InputError
+from bilayer.errors import ComputationError, InputError
+from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.result import MilestoneState
-from bilayer.runtime.progress import Progress
+from bilayer.results.schema import UNKNOWN_STABILITY
+from bilayer.results.starting import FLAT
+from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedError
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
 from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
 from dshell.models.paper_rest_state import Ramp, rest_state
-from dshell.release.visit import Visit
+from dshell.release.effort import NO_EFFORT, ShellEffort
+from dshell.release.specimen_path import VERSIONS
+from dshell.release.specimen_shell import UNSTRETCHED, Stretch
+from dshell.release.static import between
 from dshell.settings import PaperSettings
 from dshell.solve.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
 
@@ -29,29 +35,86 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Release:
-    """How one milestone ended.
+class _Run:
+    """A run to one prestretch: what moves, in what time steps, from where."""
+
+    specimen: Specimen
+    mesh: PlanarMesh
+    stretch: Stretch
+    thickness: float
+    body: MovingBody
+    stepping: Stepping
+    force_scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class PaperShape:
+    """A state of a run; see `bilayer.solvers.contract.Equilibrium`, though it is none: it moves.
 
     Parameters
     ----------
-    state : MilestoneState
-        Its shape and its numbers.
-    stop_reason : str
-        Why it stopped before its end, or an empty text.
+    run : _Run
+        Of which it is.
+    motion : Motion
+        Where the shell is, and how fast.
+    error : float
+        Norm of the last residual, N.
+    share : float
+        Part of the ramp that is done.
+    effort : ShellEffort
+        The work since the state before.
     """
 
-    state: MilestoneState
-    stop_reason: str
+    run: _Run
+    motion: Motion
+    error: float = 0.0
+    share: float = 0.0
+    effort: ShellEffort = NO_EFFORT
+
+    @property
+    def stretch(self) -> Stretch:
+        """Prestretch that the natural lengths and angles have grown to."""
+        return between(UNSTRETCHED, self.run.stretch, self.share)
+
+    @property
+    def position(self) -> Array:
+        """The bonded interface, m, shape (n, 3)."""
+        mesh, height = self.run.mesh, self.run.thickness / 2
+        return bonded_interface(self.motion.position, mesh.triangles, mesh.areas, height)
+
+    @property
+    def energy(self) -> Mapping[str, float]:
+        """Energy terms, J."""
+        return energy_terms(self.run.body, self.motion)
+
+    @property
+    def residual(self) -> float:
+        """Norm of the last residual over Y_s t_s R."""
+        return self.error / self.run.force_scale
+
+    @property
+    def unstable_modes(self) -> int:
+        """Return that nobody can tell: the shell moves."""
+        return UNKNOWN_STABILITY
+
+    def measures(self) -> Measures:
+        """Return the measures of the shape."""
+        return measure(self.run.specimen, self.run.mesh, self.stretch, self.position)
+
+    def details(self) -> None:
+        """Return None: this model has no variables of its own."""
+
+    def save(self) -> Saved:
+        """Return nothing: the next run begins flat."""
+        return {}
+
+    def linearised(self) -> Linearised:
+        """Raise ComputationError: there is no equilibrium to linearise at."""
+        raise ComputationError("linearised: the paper's model ends in motion, not in equilibrium")
 
 
-def release_paper(
-    specimen: Specimen,
-    mesh: PlanarMesh,
-    settings: PaperSettings,
-    start: Array | None,
-    progress: Progress | None,
-) -> Visit:
-    """Run every milestone by itself, from flat.
+class PaperPath:
+    """A run from flat for every prestretch; see `bilayer.solvers.contract.SpecimenPath`.
 
     Parameters
     ----------
@@ -61,89 +124,81 @@ def release_paper(
         The flat bonded interface.
     settings : PaperSettings
         What the paper leaves open.
-    start : None
-        This model has no use for a start.
-    progress : callable or None
-        See `bilayer.runtime.progress.Progress`.
-
-    Returns
-    -------
-    Visit
-        A state per milestone; which of them stopped before their end, and why.
 
     Raises
     ------
     InputError
-        A start or a true weight is given, or the layers are not as the paper has them.
+        A true weight is given, or the layers are not as the paper has them.
     """
-    _check_input(specimen, start)
-    ruled = replace(specimen, prestretch=replace(specimen.prestretch, thickness=settings.thickness))
-    releases: list[Release] = []
-    try:
-        for index, stretch in enumerate(ruled.prestretch.milestones):
-            report = _milestone_report(progress, specimen, index)
-            releases.append(release(ruled, mesh, stretch, settings, report))
-        reasons = [done.stop_reason for done in releases if done.stop_reason]
-    except KeyboardInterrupt:
-        if not releases:
-            raise
-        reasons = [INTERRUPTED]
-    return Visit([done.state for done in releases], "; ".join(reasons))
 
+    comm = None
+    versions = VERSIONS
+    start = FLAT
 
-def release(
-    specimen: Specimen,
-    mesh: PlanarMesh,
-    stretch: tuple[float, float],
-    settings: PaperSettings,
-    report: Callable[[float], None],
-) -> Release:
-    """Run one milestone from flat to the end of its ramp, or as far as it converges.
+    def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: PaperSettings) -> None:
+        _check_input(specimen)
+        self.mesh = mesh
+        self._specimen, self._settings = specimen, settings
+        ruled = replace(specimen.prestretch, thickness=settings.thickness)
+        self._ruled = replace(specimen, prestretch=ruled)
+        self._here: PaperShape | None = None
 
-    Parameters
-    ----------
-    specimen : Specimen
-        With the thickness rule that the run follows.
-    mesh : PlanarMesh
-        The flat bonded interface.
-    stretch : (float, float)
-        The milestone, (lambda_x, lambda_y).
-    settings : PaperSettings
-        What the paper leaves open.
-    report : callable
-        Called with the share of the ramp after each time step.
-    """
-    begun = time.perf_counter()
-    thickness = specimen.bonded_layer("substrate", stretch).thickness
-    body = paper_body(specimen, mesh, rest_state(specimen, mesh, stretch), stretch, settings)
-    scale = force_scale(specimen, thickness)
-    stepping = Stepping(
-        settings.total_time / settings.steps,
-        settings.steps,
-        settings.tolerance * scale,
-        settings.max_iterations,
-    )
-    motion = flat = flat_start(mesh, thickness)
-    steps = iterations = 0
-    error, failure = 0.0, ""
-    try:
-        for motion in implicit_euler(body, flat, stepping):
-            steps, iterations, error = steps + 1, iterations + motion.iterations, motion.error
-            report(steps / settings.steps)
-    except ConvergenceError as stop:
-        iterations, error = iterations + stop.iterations, stop.error
-        failure = _stop_reason(max(stretch), steps / settings.steps, stop)
-    state = MilestoneState(
-        bonded_interface(motion.position, mesh.triangles, mesh.areas, thickness / 2),
-        converged=not failure,
-        reached=1 + (max(stretch) - 1) * steps / settings.steps,
-        energy=energy_terms(body, motion),
-        iterations=iterations,
-        load_steps=steps,
-        residual=error / scale,
-        wall_time=time.perf_counter() - begun,
-    )
-    return Release(state, failure)
+    def approach(self, target: Stretch) -> Iterator[PaperShape]:
+        """Run from flat to the end of the ramp of a prestretch.
+
+        Yields
+        ------
+        PaperShape
+            The state after each time step.
+
+        Raises
+        ------
+        TargetMissedError
+            A time step does not converge: the last shape is where the run stopped.
+        """
+        run = self._run_to(target)
+        flat = flat_start(run.mesh, run.thickness)
+        self._here = PaperShape(run, flat)
+        try:
+            for step, motion in enumerate(implicit_euler(run.body, flat, run.stepping), 1):
+                effort = ShellEffort(motion.iterations, 1)
+                share = step / run.stepping.steps
+                self._here = PaperShape(run, motion, motion.error, share, effort)
+                yield self._here
+        except ConvergenceError as stop:
+            self._here = replace(self._here, error=stop.error, effort=ShellEffort(stop.iterations))
+            raise TargetMissedError(
+                f"prestretch {max(target):g} stopped after {self._here.share:.0%} of its ramp: "
+                f"{stop}"
+            ) from stop
+
+    def stopped(self) -> PaperShape:
+        """Return the last state of the run; see `Path`."""
+        assert self._here is not None, "a run has begun"
+        return self._here
+
+    def restore(self, saved: Saved) -> None:
+        """Do nothing: the next run begins flat."""
+
+    def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
+        """Return an empty dataset: this model has no variables of its own."""
+        return xr.Dataset()
+
+    def close(self) -> None:
+        """Free nothing: Python does."""
+
+    def _run_to(self, stretch: Stretch) -> _Run:
+        specimen, mesh, settings = self._ruled, self.mesh, self._settings
+        thickness = specimen.bonded_layer("substrate", stretch).thickness
+        scale = force_scale(specimen, thickness)
+        stepping = Stepping(
+            settings.total_time / settings.steps,
+            settings.steps,
+            settings.tolerance * scale,
+            settings.max_iterations,
+        )
+        body = paper_body(specimen, mesh, rest_state(specimen, mesh, stretch), stretch, settings)
+        return _Run(self._specimen, mesh, stretch, thickness, body, stepping, scale)
 
 
 def paper_body(
@@ -187,7 +242,7 @@ def flat_start(mesh: PlanarMesh, thickness: float) -> Motion:
 
 def force_scale(specimen: Specimen, thickness: float) -> float:
     """Return the force that the tolerance is relative to, Y_s t_s R, N."""
-    return specimen.substrate.material.young_modulus * thickness * specimen.outer_radius
+    return specimen.carrier.material.young_modulus * thickness * specimen.characteristic_length
 
 
 def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
@@ -196,41 +251,20 @@ def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
     return {**elastic, "kinetic": float(0.5 * (body.masses * motion.velocity**2).sum())}
 
 
-def _stop_reason(prestretch: float, share: float, stop: ConvergenceError) -> str:
-    return f"prestretch {prestretch:g} stopped after {share:.0%} of its ramp: {stop}"
-
-
-def _check_input(specimen: Specimen, start: Array | None) -> None:
-    if start is not None:
-        raise InputError(
-            "start = a result: the paper's model runs each milestone from flat, expected none"
-        )
+def _check_input(specimen: Specimen) -> None:
     if specimen.gravity > 0:
         raise InputError(
             f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "
             "weight (its gravity tapers to zero), expected 0"
         )
-    if specimen.kirigami_side != "above":
+    layers = TwoLayers.of(specimen, "model = 'paper'")
+    if layers.kirigami_side != "above":
         raise InputError(
-            f"kirigami.side = {specimen.kirigami_side!r}: the paper's model has the kirigami layer "
+            f"kirigami.side = {layers.kirigami_side!r}: the paper's model has the kirigami layer "
             "above the substrate, expected 'above'"
         )
-    if specimen.prestretch.layers != ("substrate",):
+    if layers.stretched != ("substrate",) or not layers.follow_the_path:
         raise InputError(
-            f"prestretch.layers = {list(specimen.prestretch.layers)}: the paper's model stretches "
+            f"prestretch.layers = {list(layers.stretched)}: the paper's model stretches "
             "the substrate alone, expected ['substrate']"
         )
-
-
-def _milestone_report(
-    progress: Progress | None, specimen: Specimen, index: int
-) -> Callable[[float], None]:
-    """Return what passes the share of one milestone's ramp on as progress of the whole."""
-    prestretches = specimen.prestretch.nominal
-
-    def report(share: float) -> None:
-        if progress is not None:
-            text = f"prestretch {prestretches[index]:g}, {share:.0%} of the ramp"
-            progress((index + share) / len(prestretches), text)
-
-    return report

@@ -6,17 +6,19 @@ unstable again. What both sides come to is compared by its energy, and one of th
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_model.branches.buckling_modes import BucklingMode, buckling_modes
 from fenics_model.branches.gradient_flow import GradientFlow
-from fenics_model.branches.valley_walk import ValleyWalk
+from fenics_model.branches.stability import unstable_modes
+from fenics_model.branches.valley_walk import ValleyWalk, WalkRule
 from fenics_model.settings import BRANCHES
-from fenics_model.solid.solid import Solid
+from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
+from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
 SIDES = {"plus": 1.0, "minus": -1.0}
@@ -24,14 +26,31 @@ SIDES = {"plus": 1.0, "minus": -1.0}
 LEFT = "left"
 """Name of the unstable equilibrium that the search begins at."""
 
-SAME_ENERGY = 1e-9
-"""Branches are as low as each other, such as mirror images, where the energies agree so well."""
 
-LANDINGS, ATTEMPTS = 2, 3
-"""Unstable equilibria that are left by a walk in turn; calls of Newton's method at its end.
+@dataclass(frozen=True)
+class SearchRule:
+    """How long a search goes on, and which of the branches that it finds it takes.
 
-A soft valley, such as that of a rolled disc whose axis is free to turn, takes more than one call.
-"""
+    Parameters
+    ----------
+    choice : {"lowest", "other", "unstable"}
+        Which branch is taken, see `SolidSettings.branch`.
+    same_energy : float
+        Branches are as low as each other, such as mirror images, if the energies agree so well.
+    landings : int
+        Unstable equilibria that are left by a walk in turn.
+    attempts : int
+        Calls of Newton's method at the end of a walk. A soft valley, such as that of a rolled disc
+        whose axis is free to turn, takes more than one.
+    walk : WalkRule
+        Of the walk along a mode.
+    """
+
+    choice: str = "lowest"
+    same_energy: float = 1e-9
+    landings: int = 2
+    attempts: int = 3
+    walk: WalkRule = field(default_factory=WalkRule)
 
 
 @dataclass(frozen=True)
@@ -53,14 +72,14 @@ class Branch:
     unstable_modes: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Departure:
     """What a search found.
 
     Parameters
     ----------
     equilibrium : NewtonOutcome or None
-        Of the branch that was taken, whose state the solver holds; None if it stayed.
+        Of the branch that was taken; None if it stayed.
     branches : tuple of Branch
         The one that was left, and what was found to either side.
     taken : str
@@ -80,141 +99,167 @@ class Departure:
         return next(b.unstable_modes for b in self.branches if b.name == self.taken)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Found:
     branch: Branch
     outcome: NewtonOutcome
-    values: NDArray[np.float64]
 
 
-def _by_energy(found: Sequence[_Found]) -> list[_Found]:
-    """Lowest first; those that are as low as each other keep their order."""
+@dataclass(frozen=True, eq=False)
+class _Descent:
+    """Where a mode led down to, with its unstable modes; None where there is no equilibrium."""
+
+    outcome: NewtonOutcome | None
+    unstable_modes: int
+    effort: Effort
+
+
+def _sort_by_energy(found: Sequence[_Found], same_energy: float) -> list[_Found]:
+    """Sort from the lowest up; those that are as low as each other keep their order."""
     least = min(item.branch.energy for item in found)
-    as_low = least + SAME_ENERGY * abs(least)
+    as_low = least + same_energy * abs(least)
     return sorted(found, key=lambda item: max(item.branch.energy, as_low))
 
 
-def _lowest(found: Sequence[_Found]) -> _Found | None:
-    return _by_energy(found)[0] if found else None
+def _take_lowest(ascending: Sequence[_Found]) -> _Found | None:
+    return ascending[0]
 
 
-def _other(found: Sequence[_Found]) -> _Found | None:
-    return _by_energy(found)[-1] if found else None
+def _take_other(ascending: Sequence[_Found]) -> _Found | None:
+    return ascending[-1]
 
 
-def _none(found: Sequence[_Found]) -> _Found | None:
+def _take_none(ascending: Sequence[_Found]) -> _Found | None:
     return None
 
 
 _CHOICES: Mapping[str, Callable[[Sequence[_Found]], _Found | None]] = dict(
-    zip(BRANCHES, (_lowest, _other, _none), strict=True)
+    zip(BRANCHES, (_take_lowest, _take_other, _take_none), strict=True)
 )
-"""Which branch is taken where a milestone is unstable."""
+"""Which branch is taken from an unstable milestone."""
 
 
 class BranchSearch:
-    """Finds stable branches near the solver's present state, at the loads of the moment.
+    """Finds stable branches near an unstable equilibrium, at the loads of the moment.
 
     Parameters
     ----------
     newton : Newton
-        Holds the state.
+        Solves.
     flow : GradientFlow
         Of the same solver.
-    solid : Solid
-        Whose energy is compared.
     first_distance : float
         Rms displacement of the first step along a mode, m.
     side : array of float
         A change of the state; the side "plus" of a mode is the one that has part in it.
-    choice : {"lowest", "other", "unstable"}
-        Which branch is taken, see `SolidSettings.branch`.
+    rule : SearchRule, optional
+        How long it goes on and what it takes.
     """
 
     def __init__(
         self,
         newton: Newton,
         flow: GradientFlow,
-        solid: Solid,
         *,
         first_distance: float,
         side: NDArray[np.float64],
-        choice: str = "lowest",
+        rule: SearchRule | None = None,
     ) -> None:
         self.flow = flow
-        self._newton, self._solid = newton, solid
+        self._newton, self._solid = newton, newton.solid
         self._first_distance, self._side = first_distance, side
-        self._choose = _CHOICES[choice]
+        self._rule = SearchRule() if rule is None else rule
 
-    def leave(self, modes: int, tolerance: float, reference: float) -> Departure:
-        """Leave the present equilibrium, if a branch is found that is to be taken.
+    def leave_unstable(
+        self, state: State, factors: Factors, tolerance: float, reference: float
+    ) -> Departure:
+        """Leave an unstable equilibrium, if a branch is found that is to be taken.
 
         Parameters
         ----------
-        modes : int
-            Its unstable modes, just counted: the solver holds its factors.
+        state : State
+            The equilibrium.
+        factors : Factors
+            Of its tangent; the search needs the solver and so uses them up.
         tolerance : float
             Norm of the residual of an equilibrium, N.
         reference : float
             Norm of the residual that is to be balanced, N.
         """
-        values = self._newton.state.x.array
-        unstable = values.copy()
-        branches = [Branch(LEFT, self._solid.potential_energy(), modes)]
+        modes = self._count_modes(factors)
+        mode = self._find_most_unstable(factors, modes)
+        branches = [Branch(LEFT, self._solid.potential_energy(state), modes)]
         found, effort = [], Effort()
-        mode = self._most_unstable(modes)
         for name, sign in SIDES.items():
-            values[:] = unstable
-            outcome, spent = self._descended(mode, sign, tolerance, reference)
-            effort += spent
+            descent = self._descend(state, mode, sign, tolerance, reference)
+            effort += descent.effort
             branch = Branch(name, np.nan, -1)
-            if outcome is not None:
-                branch = Branch(name, self._solid.potential_energy(), self.flow.unstable_modes())
-                found.append(_Found(branch, outcome, values.copy()))
+            if descent.outcome is not None:
+                energy = self._solid.potential_energy(descent.outcome.state)
+                branch = Branch(name, energy, descent.unstable_modes)
+                found.append(_Found(branch, descent.outcome))
             branches.append(branch)
         taken = self._choose(found)
-        values[:] = unstable if taken is None else taken.values
         if taken is None:
             return Departure(None, tuple(branches), LEFT, effort)
         effort += Effort(escapes=1)
         return Departure(taken.outcome, tuple(branches), taken.branch.name, effort)
 
-    def _most_unstable(self, modes: int) -> BucklingMode | None:
-        found = buckling_modes(self._newton, self.flow.mass, modes, self._side)
+    def _choose(self, found: Sequence[_Found]) -> _Found | None:
+        if not found:
+            return None
+        return _CHOICES[self._rule.choice](_sort_by_energy(found, self._rule.same_energy))
+
+    def _count_modes(self, factors: Factors) -> int:
+        return unstable_modes(factors, self._solid.number_of_pressures)
+
+    def _find_most_unstable(self, factors: Factors, modes: int) -> BucklingMode | None:
+        found = buckling_modes(factors, self._newton.mass, modes, self._side)
         return found[0] if found else None
 
-    def _descended(
-        self, mode: BucklingMode | None, sign: float, tolerance: float, reference: float
-    ) -> tuple[NewtonOutcome | None, Effort]:
-        """Follow a mode down to a stable equilibrium; None where there is none."""
-        effort = Effort()
-        for _ in range(LANDINGS):
+    def _descend(
+        self,
+        start: State,
+        mode: BucklingMode | None,
+        sign: float,
+        tolerance: float,
+        reference: float,
+    ) -> _Descent:
+        """Follow a mode down to a stable equilibrium."""
+        state, effort = start, Effort()
+        for _ in range(self._rule.landings):
             if mode is None:
                 break
-            walk = ValleyWalk(self._newton, self.flow.mass, sign * mode.direction, tolerance)
-            arrived = walk.descend(self._first_distance)
-            effort += Effort(walk.iterations)
-            if not arrived:
+            along = sign * mode.direction
+            walk = ValleyWalk(self._newton, state, along, tolerance, self._rule.walk)
+            walked = walk.descend(self._first_distance)
+            state, effort = walked.state, effort + Effort(walked.iterations)
+            if not walked.arrived:
                 break
-            landed, modes = self._landed(tolerance)
+            landed = self._land(state, tolerance)
             effort += Effort(landed.iterations)
-            if landed.converged and modes <= 0:
-                return landed, effort
             if not landed.converged:
                 break
-            mode = self._most_unstable(modes)
-        flowed = self.flow.relax(tolerance, reference)
-        return flowed.equilibrium, effort + flowed.effort
+            state = landed.state
+            with self._newton.factorise(state) as factors:
+                modes = self._count_modes(factors)
+                if modes <= 0:
+                    return _Descent(landed, modes, effort)
+                mode = self._find_most_unstable(factors, modes)
+        flowed = self.flow.relax(state, tolerance, reference)
+        effort += flowed.effort
+        if flowed.equilibrium is None:
+            return _Descent(None, -1, effort)
+        with self._newton.factorise(flowed.state) as factors:
+            return _Descent(flowed.equilibrium, self._count_modes(factors), effort)
 
-    def _landed(self, tolerance: float) -> tuple[NewtonOutcome, int]:
-        """Solve at the end of a walk; where that fails, go back there. With its unstable modes."""
-        values = self._newton.state.x.array
-        kept, iterations = values.copy(), 0
-        for _ in range(ATTEMPTS):
-            outcome = self._newton.solve(tolerance)
+    def _land(self, state: State, tolerance: float) -> NewtonOutcome:
+        """Solve at the end of a walk."""
+        iterations = 0
+        for _ in range(self._rule.attempts):
+            outcome = self._newton.solve(state, tolerance)
             iterations += outcome.iterations
             if outcome.converged or not np.isfinite(outcome.residual):
                 break
-        if not outcome.converged:
-            values[:] = kept
-        return replace(outcome, iterations=iterations), self.flow.unstable_modes()
+            state = outcome.state
+        return replace(outcome, iterations=iterations)

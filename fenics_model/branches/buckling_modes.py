@@ -2,9 +2,11 @@
 
 K is the mixed tangent and M the displacements' mass matrix, which is zero for the pressures: these
 follow each mode in balance, so the eigenvalues are those of the displacements alone. Shift and
-invert about 0 needs the factors of K, which the count of the unstable modes has left.
+invert about 0 needs the factors of K, which the count of the unstable modes has made.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +14,8 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
-from fenics_model.solve.newton import Newton
+from fenics_model.solve.factors import Factors
+from fenics_model.solve.layout import AssembledMatrix, Layout
 
 BESIDE = 4
 """Eigenvalues that are asked for beyond the unstable ones: stable modes may lie nearer to 0."""
@@ -20,8 +23,10 @@ BESIDE = 4
 ACCURACY = 1e-6
 """Relative, of an eigenvalue: a mode is a direction to leave in, no result."""
 
+Array = NDArray[np.float64]
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class BucklingMode:
     """A direction in which the body leaves an unstable equilibrium.
 
@@ -30,94 +35,103 @@ class BucklingMode:
     stiffness : float
         k < 0, Pa/m2.
     direction : array of float
-        Change of this rank's own dofs, its displacements of rms 1 m over the body.
+        Change of the state, its displacements of rms 1 m over the body.
     """
 
     stiffness: float
-    direction: NDArray[np.float64]
+    direction: Array
 
 
 def buckling_modes(
-    newton: Newton, mass: PETSc.Mat, count: int, side: NDArray[np.float64]
+    factors: Factors, mass: AssembledMatrix, count: int, side: Array
 ) -> list[BucklingMode]:
-    """Compute the unstable modes of the solver's present state, the most unstable one first.
+    """Compute the unstable modes of an equilibrium, the most unstable one first.
 
     Parameters
     ----------
-    newton : Newton
-        Its state is an equilibrium, whose tangent it has just factorised.
-    mass : PETSc Mat
-        M; its rows of held dofs are zero, see `Newton.assembled`.
+    factors : Factors
+        Of its tangent.
+    mass : AssembledMatrix
+        M.
     count : int
         Number of unstable modes, see `stability.unstable_modes`.
     side : array of float
-        A change of the state, this rank's own dofs first; each mode points to its side.
+        A change of the state; each mode points to its side.
 
     Returns
     -------
     list of BucklingMode
-        Fewer than `count` where stable modes that are as soft hide the others.
+        Fewer than `count` if stable modes that are as soft hide the others.
     """
-    toward = newton.vector()
-    toward.array[:] = side[: toward.local_size]
-    solver = _eigenvalue_solver(newton, mass, toward, count + BESIDE)
-    _solve(solver, newton)
-    found = [_mode(solver, index, mass, toward) for index in range(solver.getConverged())]
-    solver.destroy()
-    unstable = [mode for mode in found if mode.stiffness < 0]
+    pairs = _eigenpairs(factors, mass, side, count + BESIDE)
+    unstable = [_mode(*pair, mass, factors.layout, side) for pair in pairs if pair[0] < 0]
     return sorted(unstable, key=lambda mode: mode.stiffness)
 
 
-def least_stiffness(newton: Newton, mass: PETSc.Mat) -> float:
-    """Compute the k nearest to 0 of the solver's present state, Pa/m2.
+def least_stiffness(factors: Factors, mass: AssembledMatrix, start: Array) -> float:
+    """Compute the k nearest to 0 of an equilibrium, Pa/m2.
 
     Parameters
     ----------
-    newton : Newton
-        Its state is an equilibrium, whose tangent it has just factorised.
-    mass : PETSc Mat
-        M, see `buckling_modes`.
+    factors : Factors
+        Of its tangent.
+    mass : AssembledMatrix
+        M.
+    start : array of float
+        A change of the state that the iteration starts with.
     """
-    solver = _eigenvalue_solver(newton, mass, newton.vector(), 1)
-    _solve(solver, newton)
-    stiffness = float(solver.getEigenvalue(0).real)
-    solver.destroy()
-    return stiffness
+    return _eigenpairs(factors, mass, start, 1)[0][0]
 
 
-def _solve(solver: SLEPc.EPS, newton: Newton) -> None:
-    solver.solve()
-    newton.snes.getKSP().setErrorIfNotConverged(False)  # which SLEPc switched on
+def _eigenpairs(
+    factors: Factors, mass: AssembledMatrix, start: Array, wanted: int
+) -> list[tuple[float, Array]]:
+    """Return eigenvalues near 0 and their eigenvectors, those nearest to it first."""
+    layout = factors.layout
+    with (
+        layout.vectors(start, None) as (first, vector),
+        _eigenvalue_solver(factors, mass, first, wanted) as solver,
+    ):
+        solver.solve()
+        return [
+            (float(solver.getEigenpair(index, vector).real), layout.read(vector))
+            for index in range(solver.getConverged())
+        ]
 
 
-def _eigenvalue_solver(newton: Newton, mass: PETSc.Mat, begin: PETSc.Vec, wanted: int) -> SLEPc.EPS:
-    solver = SLEPc.EPS().create(newton.matrix.comm)
-    solver.setOperators(newton.matrix, mass)
-    solver.setProblemType(SLEPc.EPS.ProblemType.GHEP)
-    transform = solver.getST()
-    transform.setType(SLEPc.ST.Type.SINVERT)
-    transform.setKSP(newton.snes.getKSP())  # with its factors
-    solver.setTarget(0.0)
-    solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-    solver.setDimensions(nev=wanted)
-    solver.setTolerances(ACCURACY)
-    solver.setInitialSpace([begin])
-    return solver
+@contextmanager
+def _eigenvalue_solver(
+    factors: Factors, mass: AssembledMatrix, first: PETSc.Vec, wanted: int
+) -> Iterator[SLEPc.EPS]:
+    """Set up SLEPc to invert with the factors meanwhile."""
+    linear, solver = factors.solver, SLEPc.EPS().create(factors.layout.comm)
+    try:
+        solver.setOperators(factors.matrix, mass.petsc)
+        solver.setProblemType(SLEPc.EPS.ProblemType.GHEP)
+        transform = solver.getST()
+        transform.setType(SLEPc.ST.Type.SINVERT)
+        transform.setKSP(linear)
+        solver.setTarget(0.0)
+        solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+        solver.setDimensions(nev=wanted)
+        solver.setTolerances(ACCURACY)
+        solver.setInitialSpace([first])
+        yield solver
+    finally:
+        solver.destroy()
+        linear.setErrorIfNotConverged(False)  # which SLEPc switched on
 
 
-def _mode(solver: SLEPc.EPS, index: int, mass: PETSc.Mat, toward: PETSc.Vec) -> BucklingMode:
-    direction, inertia = toward.duplicate(), toward.duplicate()
-    stiffness = float(solver.getEigenpair(index, direction).real)
-    mass.mult(direction, inertia)
-    scale = np.copysign(rms_displacement(direction, mass), inertia.dot(toward))
-    return BucklingMode(stiffness, direction.array_r / scale)
+def _mode(
+    stiffness: float, direction: Array, mass: AssembledMatrix, layout: Layout, side: Array
+) -> BucklingMode:
+    toward = layout.dot(mass.times(direction), side)
+    scale = np.copysign(rms_displacement(direction, mass, layout), toward)
+    return BucklingMode(stiffness, direction / scale)
 
 
-def rms_displacement(change: PETSc.Vec, mass: PETSc.Mat) -> float:
-    """Root mean square of the displacements in a change of the state, over the body, m."""
-    ones, image = change.duplicate(), change.duplicate()
-    ones.set(1.0)
-    mass.mult(ones, image)
-    thrice_volume = image.dot(ones)  # of (1, 1, 1) everywhere
-    mass.mult(change, image)
-    return float(np.sqrt(3 * image.dot(change) / thrice_volume))
+def rms_displacement(change: Array, mass: AssembledMatrix, layout: Layout) -> float:
+    """Return the root mean square of the displacements in a change of state, over the body, m."""
+    ones = np.ones_like(change)
+    thrice_volume = layout.dot(mass.times(ones), ones)  # of (1, 1, 1) everywhere
+    return float(np.sqrt(3 * layout.dot(mass.times(change), change) / thrice_volume))

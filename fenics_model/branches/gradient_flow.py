@@ -8,130 +8,140 @@ zero on a stable branch alone. The pseudo-time has no meaning, so its step grows
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
-from petsc4py import PETSc
 
-from fenics_model.branches.stability import unstable_modes, unstable_modes_of
-from fenics_model.solid.solid import Solid
+from fenics_model.branches.stability import unstable_modes
+from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
-GROWTH, GROWTH_AFTER_CUT, CUT = 4.0, 2.0, 6.0
-"""Factors of the time step after a success (less once a step has failed) and after a failure."""
-
-STIFFEST = 1e8
-"""Where a failing time step is no longer cut: k over the first one."""
-
-SLOW = 1e-3
-"""The flow is nearly at rest: its viscous force over the reference."""
-
-STEP_ACCURACY = 1e-3
-"""To what part of its start the residual falls in a time step."""
-
 
 @dataclass(frozen=True)
+class FlowRule:
+    """How the time step of a flow changes, and when the flow ends.
+
+    Parameters
+    ----------
+    step_limit : int
+        Time steps after which it has failed.
+    growth, growth_after_cut, cut : float
+        Factors of the time step after a success (less once a step has failed) and after a failure.
+    stiffest : float
+        k over the first one beyond which a failing time step is no longer cut.
+    slow : float
+        The flow is nearly at rest: its viscous force over the reference.
+    step_accuracy : float
+        To what part of its start the residual falls in a time step.
+    """
+
+    step_limit: int = 100
+    growth: float = 4.0
+    growth_after_cut: float = 2.0
+    cut: float = 6.0
+    stiffest: float = 1e8
+    slow: float = 1e-3
+    step_accuracy: float = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
 class FlowOutcome:
     """Where a flow ended.
 
     Parameters
     ----------
+    state : State
+        Where it came to.
     equilibrium : NewtonOutcome or None
         The solution without viscosity that ended it; None if it found no stable equilibrium.
     effort : Effort
         What it took.
     """
 
+    state: State
     equilibrium: NewtonOutcome | None
     effort: Effort
 
 
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """A time step: where it ended, what it took, and its viscous force, N; None if it failed."""
+
+    state: State
+    effort: Effort
+    force: float | None
+
+
 class GradientFlow:
-    """Flows from the solver's present state to a stable equilibrium, at the loads of the moment.
+    """Flows from a state to a stable equilibrium, at the loads of the moment.
 
     Parameters
     ----------
     newton : Newton
-        Holds the state.
-    solid : Solid
-        Whose displacements flow.
+        Solves each time step.
     first_viscosity : float
         k of the first time step, Pa/m2; it grows and falls from there.
-    step_limit : int
-        Time steps after which it has failed.
+    rule : FlowRule
+        Its steps.
     """
 
     def __init__(
-        self,
-        newton: Newton,
-        solid: Solid,
-        *,
-        first_viscosity: float,
-        step_limit: int,
+        self, newton: Newton, *, first_viscosity: float, rule: FlowRule | None = None
     ) -> None:
-        self._newton, self._solid = newton, solid
-        self._first, self._step_limit = first_viscosity, step_limit
+        self._newton, self._first = newton, first_viscosity
+        self._rule = FlowRule() if rule is None else rule
 
-    def unstable_modes(self) -> int:
-        """Count the unstable modes of the present state; see `stability.unstable_modes`."""
-        return unstable_modes(self._newton, self._solid.number_of_pressures)
-
-    @cached_property
-    def mass(self) -> PETSc.Mat:
-        """M, zero for pressures and held dofs, m3; made when first needed, which is seldom."""
-        return self._newton.assembled(self._solid.mass())
-
-    def relax(self, tolerance: float, reference: float) -> FlowOutcome:
+    def relax(self, start: State, tolerance: float, reference: float) -> FlowOutcome:
         """Flow until the solution without viscosity is found, and stable.
-
-        Where that fails the state is where the flow came to.
 
         Parameters
         ----------
+        start : State
+            Where the flow starts.
         tolerance : float
             Norm of the residual of an equilibrium, N.
         reference : float
             Norm of the residual that is to be balanced, N.
         """
-        effort, k, growth, force_before = Effort(), self._first, GROWTH, np.inf
-        while effort.flow_steps < self._step_limit and k <= STIFFEST * self._first:
-            step, force = self._step(k, tolerance)
-            effort += step
-            if force is None:
-                k, growth = k * CUT, GROWTH_AFTER_CUT
+        rule, state = self._rule, start
+        effort, k, growth, force_before = Effort(), self._first, rule.growth, np.inf
+        while effort.flow_steps < rule.step_limit and k <= rule.stiffest * self._first:
+            step = self._take_step(state, k, tolerance)
+            state, effort = step.state, effort + step.effort
+            if step.force is None:
+                k, growth = k * rule.cut, rule.growth_after_cut
                 continue
             k /= growth
-            if force < min(force_before, SLOW * reference):
-                rest = self._solve_if_stable(tolerance)
+            if step.force < min(force_before, rule.slow * reference):
+                rest = self._solve_if_stable(state, tolerance)
                 effort += Effort(rest.iterations)
                 if rest.converged:
-                    return FlowOutcome(rest, effort)
-            force_before = force
-        return FlowOutcome(None, effort)
+                    return FlowOutcome(rest.state, rest, effort)
+            force_before = step.force
+        return FlowOutcome(state, None, effort)
 
-    def _step(self, k: float, tolerance: float) -> tuple[Effort, float | None]:
-        """Take one time step; return what it took and the viscous force, None if it failed."""
-        accuracy = max(tolerance, STEP_ACCURACY * self._newton.residual_norm())
-        with self._newton.slowed(self.mass, k) as viscosity:
-            outcome = self._solve_if_stable(accuracy)
+    def _take_step(self, state: State, k: float, tolerance: float) -> _Step:
+        """Take one time step; stay if it fails."""
+        accuracy = max(tolerance, self._rule.step_accuracy * self._newton.residual_norm(state))
+        with self._newton.slow_down(k, state) as viscosity:
+            outcome = self._solve_if_stable(state, accuracy)
             effort = Effort(outcome.iterations, flow_steps=1)
             if not outcome.converged:
-                return effort, None
-            force, work = viscosity.norm_and_work(self._newton.vector())
-        return replace(effort, dissipated=work), force
+                return _Step(state, effort, None)
+            force, work = viscosity.norm_and_work(outcome.state)
+        return _Step(outcome.state, replace(effort, dissipated=work), force)
 
-    def _solve_if_stable(self, tolerance: float) -> NewtonOutcome:
-        """Solve; where that fails or the tangent has an unstable mode, restore the state.
+    def _solve_if_stable(self, guess: State, tolerance: float) -> NewtonOutcome:
+        """Solve; a solution whose tangent has an unstable mode has not converged.
 
         A factorisation that does not show the modes (-1) counts as stable.
         """
-        values = self._newton.state.x.array
-        kept = values.copy()
-        outcome = self._newton.solve(tolerance)
-        unstable = unstable_modes_of(self._newton.factors, self._solid.number_of_pressures)
-        if outcome.converged and unstable > 0:
-            outcome = replace(outcome, converged=False, reason=f"{unstable} unstable modes")
+        outcome = self._newton.solve(guess, tolerance)
         if not outcome.converged:
-            values[:] = kept
+            return outcome
+        factors = outcome.factors or self._newton.factorise(outcome.state)
+        with factors:
+            unstable = unstable_modes(factors, self._newton.solid.number_of_pressures)
+        if unstable > 0:
+            return replace(outcome, converged=False, reason=f"{unstable} unstable modes")
         return outcome

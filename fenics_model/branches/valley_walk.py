@@ -14,128 +14,152 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
+from fenics_model.solid.state import State
 from fenics_model.solve.newton import Newton
 
-GROWTH, CUT = 2.0, 4.0
-"""Factors of the step after a success and after a failure."""
-
-FARTHEST = 2000.0
-"""Over the first distance: where a walk that still leads down is given up."""
-
-ITERATION_LIMIT, CUTS = 8, 1
-"""Iterations at a place after which it has failed; failed places after which the walk ends.
-
-The valley may turn away from the straight direction; then there is no place farther out.
-"""
-
-ACCURACY = 1e-3
-"""The residual that is left, over the force that holds the distance."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class WalkRule:
+    """How a walk chooses its places, and when it ends.
+
+    Parameters
+    ----------
+    growth, cut : float
+        Factors of the step after a success and after a failure.
+    farthest : float
+        Over the first distance: where a walk that still leads down is given up.
+    iteration_limit : int
+        Iterations at a place after which it has failed.
+    cuts : int
+        Failed places after which the walk ends. The valley may turn away from the straight
+        direction; then there is no place farther out.
+    accuracy : float
+        The residual that is left, over the force that holds the distance.
+    """
+
+    growth: float = 2.0
+    cut: float = 4.0
+    farthest: float = 2000.0
+    iteration_limit: int = 8
+    cuts: int = 1
+    accuracy: float = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class WalkOutcome:
+    """Where a walk ended.
+
+    Parameters
+    ----------
+    state : State
+        Near where the energy is least, or the lowest place on the way.
+    arrived : bool
+        Whether the energy rises again there.
+    iterations : int
+        Factorisations.
+    """
+
+    state: State
+    arrived: bool
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
 class _Place:
-    """Where the energy is minimal at a distance; x and its change with the distance."""
+    """Where the energy is minimal at a distance; the state and its change with the distance."""
 
     distance: float
-    x: PETSc.Vec
-    tangent: PETSc.Vec
+    state: State
+    tangent: Array
     slope: float
 
 
 class ValleyWalk:
-    """Walks from the solver's present state, an unstable equilibrium.
+    """Walks down from an unstable equilibrium.
 
     Parameters
     ----------
     newton : Newton
-        Holds the state.
-    mass : PETSc Mat
-        M, zero for pressures and held dofs.
+        Solves.
+    origin : State
+        The equilibrium.
     direction : array of float
-        d, this rank's own dofs.
+        d, a change of it.
     tolerance : float
         Norm of the residual of an equilibrium, N; no place is solved more accurately.
-
-    Attributes
-    ----------
-    iterations : int
-        Factorisations so far.
+    rule : WalkRule
+        Its steps.
     """
 
     def __init__(
-        self, newton: Newton, mass: PETSc.Mat, direction: NDArray[np.float64], tolerance: float
+        self, newton: Newton, origin: State, direction: Array, tolerance: float, rule: WalkRule
     ) -> None:
-        self._newton, self._tolerance = newton, tolerance
-        self._origin = newton.vector()
-        along = self._origin.duplicate()
-        along.array[:] = direction
-        self._force = self._origin.duplicate()
-        mass.mult(along, self._force)
-        self._square = float(self._force.dot(along))
-        self._start = _Place(0.0, self._origin, along, 0.0)
-        self.iterations = 0
+        self._newton, self._dot, self._norm = newton, newton.layout.dot, newton.layout.norm
+        self._tolerance, self._rule = tolerance, rule
+        self._force = newton.mass.times(direction)
+        self._square = self._dot(self._force, direction)
+        self._start = _Place(0.0, origin, direction, 0.0)
+        self._iterations = 0
 
-    def descend(self, first_distance: float) -> bool:
-        """Walk down until the energy rises again; leave the state near where it is least.
-
-        Returns
-        -------
-        bool
-            Whether the walk came to such a place; if not, the state is the lowest one on the way.
-        """
+    def descend(self, first_distance: float) -> WalkOutcome:
+        """Walk down until the energy rises again."""
         here, step, cuts = self._start, first_distance, 0
-        while here.distance < FARTHEST * first_distance and cuts <= CUTS:
+        while here.distance < self._rule.farthest * first_distance and cuts <= self._rule.cuts:
             there = self._place(here, here.distance + step)
             if there is None:
-                step, cuts = step / CUT, cuts + 1
+                step, cuts = step / self._rule.cut, cuts + 1
                 continue
             if there.slope > 0:
-                self._newton.move_to(_between(here, there))
-                return True
-            here, step = there, GROWTH * step
-        self._newton.move_to(here.x)
-        return False
+                return WalkOutcome(_between(here, there), True, self._iterations)
+            here, step = there, self._rule.growth * step
+        return WalkOutcome(here.state, False, self._iterations)
 
     def _place(self, here: _Place, distance: float) -> _Place | None:
         """Solve at a distance, from the tangent at another place; None if that fails."""
-        newton, x = self._newton, here.x.copy()
-        x.axpy(distance - here.distance, here.tangent)
-        slope = here.slope
-        for _ in range(ITERATION_LIMIT):
-            newton.move_to(x)
-            self.iterations += 1
-            if newton.factorise().getFailedReason():
+        state = here.state + (distance - here.distance) * here.tangent
+        for _ in range(self._rule.iteration_limit):
+            found = self._improve(state, distance)
+            if found is None:
                 return None
-            elastic, held = newton.corrections(newton.residual(), self._force)
-            off = x.copy()
-            off.axpy(-1.0, self._origin)
-            gap = distance * self._square - float(self._force.dot(off))
-            compliance = float(self._force.dot(held))
-            slope = (gap + float(self._force.dot(elastic))) / compliance
-            x.axpy(-1.0, elastic)
-            x.axpy(slope, held)
-            newton.move_to(x)
-            left = newton.residual()
-            left.axpy(-slope, self._force)
-            holding = abs(slope) * float(self._force.norm())
-            norm = float(left.norm())
-            if not np.isfinite(norm):
+            left, accepted = self._balance(found)
+            if left <= accepted:
+                return found
+            if not np.isfinite(left):
                 return None
-            if norm <= max(self._tolerance, ACCURACY * holding):
-                held.scale(self._square / compliance)
-                return _Place(distance, x, held, slope)
+            state = found.state
         return None
 
+    def _improve(self, state: State, distance: float) -> _Place | None:
+        """Return what one iteration makes of a guess; None if its tangent has no factors."""
+        self._iterations += 1
+        with self._newton.factorise(state) as factors:
+            if factors.failure:
+                return None
+            elastic = factors.solve(self._newton.residual(state))
+            held = factors.solve(self._force)
+        off = state - self._start.state
+        gap = distance * self._square - self._dot(self._force, off)
+        compliance = self._dot(self._force, held)
+        slope = (gap + self._dot(self._force, elastic)) / compliance
+        tangent = held * (self._square / compliance)
+        return _Place(distance, state + (slope * held - elastic), tangent, slope)
 
-def _between(before: _Place, after: _Place) -> PETSc.Vec:
+    def _balance(self, place: _Place) -> tuple[float, float]:
+        """Return the norm of the residual that is left, and what is accepted, N."""
+        left = self._newton.residual(place.state) - place.slope * self._force
+        holding = abs(place.slope) * self._norm(self._force)
+        return self._norm(left), max(self._tolerance, self._rule.accuracy * holding)
+
+
+def _between(before: _Place, after: _Place) -> State:
     """Guess the state where the slope is zero: cubic Hermite interpolation between two places."""
     span = after.distance - before.distance
     share = before.slope / (before.slope - after.slope)
-    x = before.x.copy()
-    x.scale((1 + 2 * share) * (1 - share) ** 2)
-    x.axpy(share * (1 - share) ** 2 * span, before.tangent)
-    x.axpy(share**2 * (3 - 2 * share), after.x)
-    x.axpy(share**2 * (share - 1) * span, after.tangent)
-    return x
+    return before.state + (
+        share**2 * (3 - 2 * share) * (after.state - before.state)
+        + share * (1 - share) ** 2 * span * before.tangent
+        + share**2 * (share - 1) * span * after.tangent
+    )

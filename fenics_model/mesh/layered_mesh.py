@@ -4,6 +4,8 @@ Everything that must not depend on the partition (which dofs are held, where a l
 lives, the order of gathered results) goes through the original numbers.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import basix.ufl
@@ -15,6 +17,9 @@ from numpy.typing import NDArray
 
 from fenics_model.api import dolfinx_api
 from fenics_model.mesh.volume_mesh import VolumeMesh
+
+EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])
+"""Ends of a tetrahedron's edges among its vertices, in Basix's order."""
 
 
 class LayeredMesh:
@@ -48,6 +53,24 @@ class LayeredMesh:
         self.layer_tags = dolfinx.mesh.meshtags(self.mesh, 3, cells, layers)
         original = np.asarray(self.mesh.geometry.input_global_indices)
         self.cell_vertices: NDArray[np.int64] = original[nodes]
+        self._original = original
+
+    @contextmanager
+    def drawn_at(self, points: NDArray[np.float64]) -> Iterator[None]:
+        """Draw the mesh with its vertices elsewhere meanwhile.
+
+        Parameters
+        ----------
+        points : (v, 3) array of float
+            Vertices in their original order, m.
+        """
+        places = self.mesh.geometry.x
+        before = places.copy()
+        places[:] = points[self._original]
+        try:
+            yield
+        finally:
+            places[:] = before
 
     def dofs_at(self, space: Any, vertices: NDArray[np.int64]) -> NDArray[np.int32]:
         """Dofs of a scalar Lagrange (sub)space at some original vertices, those seen by this rank.

@@ -5,28 +5,41 @@ by before: that defect is extrapolated and added. Newton's method does the rest.
 elsewhere than where it was predicted has found another branch, and does not count.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.results.starting import LONGEST_WAY
-from fenics_model.path.shell_start import Extrusion
-from fenics_model.solid.solid import Solid
+from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
-FAR_FROM_BALANCE = 0.5
-"""Residual of a guess, over the reference, above which it is settled with the interface held.
+Array = NDArray[np.float64]
 
-A nearer one is settled, too, where Newton's method fails from it."""
 
-SETTLED = 0.1
-"""To what part of the reference it is settled."""
+@dataclass(frozen=True)
+class GuideRule:
+    """How far a guide is trusted.
 
-ELSEWHERE = 0.5
-"""How far from its prediction a solution may be, over how far the prediction led."""
+    Parameters
+    ----------
+    far_from_balance : float
+        Residual of a guess, over the reference, above which it is settled with the interface held.
+        A nearer one is settled, too, if Newton's method fails from it.
+    settled : float
+        To what part of the reference it is settled.
+    elsewhere : float
+        How far from its prediction a solution may be, over how far the prediction led.
+    longest_way : float
+        Change of the prestretch up to which a shape is in reach.
+    """
+
+    far_from_balance: float = 0.5
+    settled: float = 0.1
+    elsewhere: float = 0.5
+    longest_way: float = LONGEST_WAY
 
 
 class Guide:
@@ -36,14 +49,12 @@ class Guide:
     ----------
     newton : Newton
         Solves for the equilibria.
-    solid : Solid
-        Whose states.
-    extrusion : Extrusion
-        Makes a state of a shape.
+    extrude : callable
+        Makes a state of a shape of the interface, with the natural states of the moment.
     settle : callable
-        Relaxes a state to a norm of the residual, the interface held; returns its outcome.
-    shapes : mapping of float to (n, 3) array of float
-        The bonded interface by path parameter, m, where the solid is held; empty: no guide.
+        Relaxes a state to a norm of the residual, the interface held; returns the outcome.
+    rule : GuideRule, optional
+        How far it is trusted.
 
     Attributes
     ----------
@@ -54,88 +65,109 @@ class Guide:
     def __init__(
         self,
         newton: Newton,
-        solid: Solid,
-        extrusion: Extrusion,
-        settle: Callable[[float], NewtonOutcome],
-        shapes: Mapping[float, NDArray[np.float64]],
+        extrude: Callable[[Array], State],
+        settle: Callable[[State, float], NewtonOutcome],
+        rule: GuideRule | None = None,
     ) -> None:
-        self._newton, self._solid, self._extrusion = newton, solid, extrusion
-        self._settle, self._shapes = settle, dict(sorted(shapes.items()))
-        self._states: dict[float, NDArray[np.float64]] = {}
-        self._defects: list[tuple[float, NDArray[np.float64]]] = []
-        self._is_trusted = True
+        self._newton, self._extrude, self._settle = newton, extrude, settle
+        self._rule = GuideRule() if rule is None else rule
+        self._shapes: dict[float, Array] = {}
+        self._states: dict[float, State] = {}
+        self.defects: list[tuple[float, Array]] = []
+        self.is_trusted = True
         self.left: list[tuple[float, str]] = []
 
-    def next_toward(self, goal: float, here: float) -> float | None:
-        """Return where to step, the farthest shape in reach; None where there is none to trust."""
-        ahead = [there for there in self._shapes if here < there <= goal]
-        if not ahead or not self._is_trusted:
+    def lead_along(self, shapes: Mapping[float, Array]) -> None:
+        """Lead along shapes from now on, those of before forgotten.
+
+        Parameters
+        ----------
+        shapes : mapping of float to (n, 3) array of float
+            The bonded interface by path parameter, m, where the solid is held.
+        """
+        self._shapes, self._states = dict(shapes), {}
+
+    def restore(
+        self,
+        defects: Sequence[tuple[float, Array]],
+        is_trusted: bool,
+        left: Sequence[tuple[float, str]],
+    ) -> None:
+        """Trust as much as at another time, and know the defects of then."""
+        self.defects, self.is_trusted, self.left = list(defects), is_trusted, list(left)
+
+    def propose_step(self, here: float, goal: float) -> float | None:
+        """Return where to step, the farthest shape in reach; None if there is none to trust."""
+        ahead = sorted(there for there in self._shapes if here < there <= goal)
+        if not ahead or not self.is_trusted:
             return None
-        in_reach = [there for there in ahead if there <= here + LONGEST_WAY * (1 + 1e-9)]
+        farthest = here + self._rule.longest_way * (1 + 1e-9)
+        in_reach = [there for there in ahead if there <= farthest]
         return in_reach[-1] if in_reach else ahead[0]
 
-    def advance(
-        self, there: float, accepted: float, reference: float
+    def take_step(
+        self, there: float, before: State, accepted: float, reference: float
     ) -> tuple[NewtonOutcome, Effort]:
-        """Step from the present equilibrium to where a shape is; the loads of there act already.
+        """Step from an equilibrium to where a shape is; the loads of there act already.
 
-        Where that fails the state is where it came to, and nothing is predicted until `learn`.
+        If that fails, nothing is proposed until `learn`.
 
         Parameters
         ----------
         there : float
             The path parameter.
+        before : State
+            The equilibrium.
         accepted : float
             Norm of the residual of an equilibrium, N.
         reference : float
             Norm of the residual that is to be balanced, N.
         """
-        values = self._newton.state.x.array
-        before, guess = values.copy(), self._state_at(there) + self._defect_at(there)
-        values[:] = guess
+        guess = self._state_at(there) + self._defect_at(there)
         outcome, effort = None, Effort(guided_steps=1)
-        if self._newton.residual_norm() < FAR_FROM_BALANCE * reference:  # else far, or no number
-            outcome = self._newton.solve(accepted)
+        near = self._rule.far_from_balance * reference
+        if self._newton.residual_norm(guess) < near:  # else far, or no number
+            outcome = self._newton.solve(guess, accepted)
             effort += Effort(outcome.iterations)
         if outcome is None or not outcome.converged:
-            values[:] = guess
-            settled = self._settle(SETTLED * reference)
-            guess = values.copy()
-            outcome = self._newton.solve(accepted)
+            settled = self._settle(guess, self._rule.settled * reference)
+            guess = settled.state
+            outcome = self._newton.solve(guess, accepted)
             effort += Effort(settled.iterations + outcome.iterations)
-        if outcome.converged and self._is_elsewhere(before, guess):
+        if outcome.converged and self._is_elsewhere(before, guess, outcome.state):
             outcome = replace(outcome, converged=False, reason="another branch")
         if not outcome.converged:
             self.distrust(there, outcome.reason)
         return outcome, effort
 
-    def _is_elsewhere(self, before: NDArray[np.float64], predicted: NDArray[np.float64]) -> bool:
-        """Whether the present state is too far from a prediction to be what it meant."""
-        led = self._solid.displacement_norm(before - predicted)
-        missed = self._solid.displacement_norm(self._newton.state.x.array - predicted)
-        return missed > ELSEWHERE * led
+    def _is_elsewhere(self, before: State, predicted: State, found: State) -> bool:
+        """Return whether a solution is too far from a prediction to be what it meant."""
+        norm = self._newton.solid.displacement_norm
+        return norm(found - predicted) > self._rule.elsewhere * norm(before - predicted)
 
     def distrust(self, there: float, reason: str) -> None:
-        """Predict nothing until the equilibrium at one of the shapes is known; note why."""
-        self._is_trusted = False
+        """Propose nothing until the equilibrium at one of the shapes is known; note why."""
+        self.is_trusted = False
         self.left.append((there, reason))
 
-    def learn(self, parameter: float) -> None:
-        """Note how far the shape at a parameter, if there is one, is from the present state."""
+    def learn(self, parameter: float, state: State) -> None:
+        """Note how far the shape at a parameter, if there is one, is from an equilibrium."""
         if parameter in self._shapes:
-            defect = self._newton.state.x.array - self._state_at(parameter)
-            self._defects = [*self._defects[-1:], (parameter, defect)]
-            self._is_trusted = True
+            defect = state - self._state_at(parameter)
+            self.defects = [*self.defects[-1:], (parameter, defect)]
+            self.is_trusted = True
 
-    def _state_at(self, parameter: float) -> NDArray[np.float64]:
+    def _state_at(self, parameter: float) -> State:
         """Return the state made of a shape, with the natural states of its parameter."""
         if parameter not in self._states:
-            self._states[parameter] = self._extrusion.state_of(self._shapes[parameter])
+            self._states[parameter] = self._extrude(self._shapes[parameter])
         return self._states[parameter]
 
-    def _defect_at(self, parameter: float) -> NDArray[np.float64] | float:
+    def _defect_at(self, parameter: float) -> Array:
         """Return the last defect, or the secant through the last two."""
-        if len(self._defects) < 2:
-            return self._defects[0][1] if self._defects else 0.0
-        (s, first), (t, second) = self._defects
+        if not self.defects:
+            return np.zeros_like(self._newton.solid.unknown.x.array)
+        if len(self.defects) < 2:
+            return self.defects[0][1]
+        (s, first), (t, second) = self.defects
         return second + (parameter - t) / (t - s) * (second - first)

@@ -16,41 +16,33 @@ from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
 from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.mesh.layered_mesh import EDGES
 from fenics_model.solid.solid import Solid
+from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import stress
 from fenics_model.solve.newton import Newton, NewtonOutcome
-from fenics_model.solve.work import Stopwatch
-
-_EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])  # Basix's order
+from fenics_model.solve.stopwatch import Stopwatch
 
 
 def settle(
     solid: Solid,
     held: Sequence[fem.DirichletBC],
+    guess: State,
     tolerance: float,
     *,
     options: str = "",
     stopwatch: Stopwatch | None = None,
 ) -> NewtonOutcome:
-    """Solve for everything but the interface's vertices, which stay where they are."""
-    here = solid.state.copy()
+    """Solve for everything but the interface's vertices, which stay where a guess has them."""
+    here = solid.function_of(guess)
     interface = [
         fem.dirichletbc(
-            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.interface)
+            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.reference_surface)
         )
         for axis in range(3)
     ]
-    newton = Newton(
-        solid.residual,
-        solid.tangent,
-        solid.state,
-        [*held, *interface],
-        options=options,
-        stopwatch=stopwatch,
-    )
-    outcome = newton.solve(tolerance)
-    newton.destroy()
-    return outcome
+    with Newton(solid, [*held, *interface], options=options, stopwatch=stopwatch) as newton:
+        return newton.solve(guess, tolerance)
 
 
 class Extrusion:
@@ -67,25 +59,18 @@ class Extrusion:
     def __init__(self, solid: Solid, mesh: PlanarMesh) -> None:
         self._solid, self._mesh = solid, mesh
 
-    def state_of(self, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    def extrude(self, shape: NDArray[np.float64]) -> State:
         """Return the state of a shape, with the natural states of the moment.
 
         Parameters
         ----------
         shape : (n, 3) array of float
             The deformed interface on the nodes, m.
-
-        Returns
-        -------
-        array of float
-            This rank's dofs; the solid's own state stays.
         """
         solid = self._solid
-        values = solid.state.x.array
-        kept = values.copy()
         fibres = _Fibres(solid, self._mesh, shape)
         corners = solid.mesh.cell_vertices
-        ends = corners[:, _EDGES]
+        ends = corners[:, EDGES]
         flat = solid.mesh.volume.points
         moved = np.concatenate(
             [
@@ -94,20 +79,18 @@ class Extrusion:
             ],
             axis=1,
         )
-        values[:] = 0.0
+        values = np.zeros_like(solid.unknown.x.array)
         for axis in range(3):
             values[solid.component(axis).dofmap.list] = moved[:, :, axis]
-        self._set_plane_stress()
-        extruded: NDArray[np.float64] = values.copy()
-        values[:] = kept
-        return extruded
+        return self._with_plane_stress(State(values))
 
-    def _set_plane_stress(self) -> None:
+    def _with_plane_stress(self, state: State) -> State:
         """Set each pressure so that the fibre's own traction vanishes, averaged at vertices."""
-        summed, weighed = (_assembled(form) for form in self._pressure_forms)
-        there = weighed > 0
-        self._solid.state.x.array[there] = summed[there] / weighed[there]
-        self._solid.state.x.scatter_forward()
+        with self._solid.at(state):
+            summed, weighed = (_assemble(form) for form in self._pressure_forms)
+        there, values = weighed > 0, np.array(state.values)
+        values[there] = summed[there] / weighed[there]
+        return State(values)
 
     @cached_property
     def _pressure_forms(self) -> list[fem.Form]:
@@ -131,20 +114,34 @@ class Extrusion:
         return [fem.form(integral, jit_options=JIT_OPTIONS) for integral in sums]
 
 
+def bonded_heights(solid: Solid) -> NDArray[np.float64]:
+    """Return the height of each level of the mesh in the flat bonded state, m, (levels,)."""
+    volume = solid.mesh.volume
+    shrinking = np.array([1 / _determinant(layer.natural.value) for layer in solid.layers])
+    steps = np.diff(volume.heights) * shrinking[volume.layer_between]
+    heights = np.concatenate([[0.0], np.cumsum(steps)])
+    return np.asarray(heights - heights[volume.reference_level])
+
+
+def _determinant(natural: NDArray[np.float64]) -> float:
+    """Return det G of a natural state, see `strain_energy.natural_tensor`."""
+    x, shear, y, thickness = natural
+    return float((x * y - shear * shear) * thickness)
+
+
 class _Fibres:
-    """The normals of the deformed interface, along which the layers' vertices lie."""
+    """The normals of the deformed surface, along which the layers' vertices lie."""
 
     def __init__(self, solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
         volume = solid.mesh.volume
         self._surface = shape
         self._normal, area_stretch = _normals_and_stretch(mesh, shape)
+        level, node = np.nonzero(volume.vertex_at >= 0)
+        vertex = volume.vertex_at[level, node]
         self._node = np.empty(len(volume.points), dtype=np.int64)
-        _, nodes = np.nonzero(volume.vertex_at >= 0)
-        self._node[volume.vertex_at[volume.vertex_at >= 0]] = nodes
-        ratios = [1 / np.prod(layer.natural.value) for layer in solid.layers]  # bonded over drawn
-        z = volume.points[:, 2]
-        bonded = z * np.where(z < 0, ratios[0], ratios[-1])
-        self._offset = bonded / area_stretch[self._node]
+        self._node[vertex] = node
+        self._offset = np.empty(len(volume.points))
+        self._offset[vertex] = bonded_heights(solid)[level] / area_stretch[node]
 
     def at_vertices(self, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
         """Deformed positions of vertices, m."""
@@ -180,7 +177,7 @@ def _normals_and_stretch(
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True), after / before
 
 
-def _assembled(form: fem.Form) -> NDArray[np.float64]:
+def _assemble(form: fem.Form) -> NDArray[np.float64]:
     vector = fem.assemble_vector(form)
     vector.scatter_reverse(la.InsertMode.add)
     vector.scatter_forward()

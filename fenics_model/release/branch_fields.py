@@ -16,7 +16,7 @@ def branch_dataset(departures: Sequence[Departure | None], milestones: int) -> x
     Parameters
     ----------
     departures : sequence of Departure or None
-        Of the milestones that were reached, in order; None where the path came to a stable one.
+        Of the milestones in order; None if it was not reached or the path came to a stable one.
     milestones : int
         Number of milestones.
     """

@@ -1,29 +1,29 @@
-"""What each milestone took, as variables of the dataset."""
+"""The work for each milestone, as variables of the dataset."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from fenics_model.solve.effort import Effort
-from fenics_model.solve.work import Work
+from fenics_model.solve.effort import Effort, Work
 
 
-def effort_dataset(efforts: Sequence[Effort], works: Sequence[Work], milestones: int) -> xr.Dataset:
-    """Build the variables of what was done to get to each milestone, and of the time it took.
+def effort_dataset(efforts: Sequence[Effort | None], milestones: int) -> xr.Dataset:
+    """Build the variables of the work for each milestone, and of the time that it took.
 
     Parameters
     ----------
-    efforts, works : sequence of Effort, of Work
-        Of the milestones that were reached or tried, in order.
+    efforts : sequence of Effort or None
+        Of the milestones that were reached or tried, in order; None if another run did.
     milestones : int
         Number of milestones; those never tried took nothing.
     """
-    return xr.merge([_counts(efforts, milestones), _seconds(works, milestones)])
+    missing = [None] * (milestones - len(efforts))
+    rows = [Effort() if effort is None else effort for effort in (*efforts, *missing)]
+    return xr.merge([_counts(rows), _seconds([row.work for row in rows])])
 
 
-def _seconds(works: Sequence[Work], milestones: int) -> xr.Dataset:
-    rows = [*works, *[Work()] * (milestones - len(works))]
+def _seconds(rows: Sequence[Work]) -> xr.Dataset:
     factorisations = np.array([row.factorisations for row in rows], dtype=np.int32)
     note = "CPU time of the first rank"
     seconds = {
@@ -49,8 +49,7 @@ def _seconds(works: Sequence[Work], milestones: int) -> xr.Dataset:
     )
 
 
-def _counts(efforts: Sequence[Effort], milestones: int) -> xr.Dataset:
-    rows = [*efforts, *[Effort()] * (milestones - len(efforts))]
+def _counts(rows: Sequence[Effort]) -> xr.Dataset:
     return xr.Dataset(
         {
             "stabilised_steps": (

@@ -1,6 +1,7 @@
-"""The solid of a specimen: its two layers extruded, with natural states, loads and held points."""
+"""The solid of a specimen: its layers extruded, with natural states, loads and held points."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,99 +11,131 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import BondedLayer, Layer, Specimen
+from bilayer.specimen.layer import Layer, Tensor
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
-from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath
+from fenics_model.path.release_path import LoadPlace, Stretch
 from fenics_model.settings import SolidSettings
 from fenics_model.solid.solid import Solid, SolidLayer
-from fenics_model.solid.strain_energy import StrainEnergy, energy_constants
-
-UNSTRETCHED = (1.0, 1.0)
+from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BilayerSolid:
-    """A specimen as a solid, and what of it changes along the load path.
+    """A specimen as a solid, and what of it can change.
 
     Parameters
     ----------
     solid : Solid
-        The layers, the lower one first.
+        The layers, from the bottom up.
     specimen : Specimen
         Whose layers they are.
+    mesh : PlanarMesh
+        The planar mesh that is extruded.
+    settings : SolidSettings
+        How it is discretised.
     layer_names : tuple of str
-        Theirs, in the same order.
-    path : ReleasePath
-        From flat through the milestones.
-    imperfection : float
-        Acceleration at its full value, m/s2.
+        Of the layers, in the same order.
+    densities : tuple of dolfinx Constant
+        Of the layers, kg/m3.
     weight, saddle : dolfinx Constant
         The accelerations that act now.
     """
 
     solid: Solid
     specimen: Specimen
+    mesh: PlanarMesh
+    settings: SolidSettings
     layer_names: tuple[str, ...]
-    path: ReleasePath
-    imperfection: float
+    densities: tuple[fem.Constant, ...]
     weight: fem.Constant
     saddle: fem.Constant
 
-    def load(self, parameter: float) -> None:
-        """Set natural state and loads for a parameter of the path."""
-        self.prestretch(self.path.stretch(parameter))
-        self.weight.value = self.specimen.gravity * self.path.weight_fraction(parameter)
-        self.saddle.value = self.imperfection * self.path.imperfection_fraction(parameter)
+    def load(self, place: LoadPlace) -> None:
+        """Set natural states and loads for a place on the load path."""
+        self.prestretch(self.specimen, place.stretch)
+        self.weight.value = self.specimen.gravity * place.weight
+        self.saddle.value = self.settings.imperfection * place.imperfection
 
-    def prestretch(self, stretch: tuple[float, float]) -> None:
-        """Set the natural states alone."""
-        rule = self.specimen.prestretch.thickness
+    def prestretch(self, specimen: Specimen, stretch: Stretch) -> None:
+        """Set the natural states alone, those of a specimen."""
+        rule = specimen.prestretch.thickness
         for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
-            bonded = self.specimen.bonded_layer(name, stretch)
+            bonded = specimen.bonded_layer(name, stretch)
             layer.natural.value = natural_state(bonded.stretch, rule)
 
+    @contextmanager
+    def made_of(self, specimen: Specimen, place: LoadPlace) -> Iterator[None]:
+        """Be another specimen of the same mesh meanwhile, then what it was before."""
+        constants = list(self._constants())
+        before = [constant.value.copy() for constant in constants]
+        try:
+            self._take_constants(specimen, place)
+            with self.solid.mesh.drawn_at(self._drawn(specimen).points):
+                yield
+        finally:
+            for constant, value in zip(constants, before, strict=True):
+                constant.value = value
 
-def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
+    def _constants(self) -> Iterator[fem.Constant]:
+        yield from (self.weight, *self.densities)
+        for layer in self.solid.layers:
+            yield layer.natural
+            yield from vars(layer.energy).values()
+
+    def _take_constants(self, specimen: Specimen, place: LoadPlace) -> None:
+        """Set natural states, weight, densities and laws to those of a specimen."""
+        self.prestretch(specimen, place.stretch)
+        self.weight.value = specimen.gravity * place.weight
+        layers = layers_on(specimen, self.mesh)
+        for own, density, layer in zip(layers, self.densities, self.solid.layers, strict=True):
+            density.value = own.density
+            set_law(layer.energy, own)
+
+    def _drawn(self, specimen: Specimen) -> VolumeMesh:
+        return extruded(specimen, self.mesh, self.settings)
+
+
+def uneven_lift(body: BilayerSolid) -> NDArray[np.float64]:
     """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
 
     Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
     at the centre and the same however the mesh is distributed; the phases n are in no symmetry.
-    It tells the two sides of a mode apart.
+    It tells the two sides of a mode apart. R is the sheet's characteristic length.
 
     Parameters
     ----------
     body : BilayerSolid
-        To be lifted.
-    radius : float
-        R, m.
+        To be lifted, about its centre.
 
     Returns
     -------
     array of float
         A change of the state, this rank's dofs.
     """
+    x0, y0 = body.mesh.centroid
 
     def lift(x: NDArray[np.float64]) -> NDArray[np.float64]:
-        place = (x[0] + 1j * x[1]) / radius
+        place = (x[0] - x0 + 1j * (x[1] - y0)) / body.specimen.characteristic_length
         waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
         return np.stack([0 * x[0], 0 * x[0], waves])
 
-    change = fem.Function(body.solid.space)
-    change.sub(0).interpolate(lift)
-    return np.asarray(change.x.array)
+    return body.solid.interpolate(lift).values
 
 
-def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
-    """Return (lx, ly, s) of a layer, see `strain_energy`.
+def natural_state(stretch: Tensor, thickness_rule: str) -> tuple[float, float, float, float]:
+    """Return (Uxx, Uxy, Uyy, s) of a layer, see `strain_energy.natural_tensor`.
 
     Drawn with its natural thickness ("natural"), the mesh is stretched in plane alone, s = 1. Drawn
-    with its bonded thickness ("constant"), it also has the thinning, s = 1 / (lx ly).
+    with its bonded thickness ("constant"), it also has the thinning, s = 1 / det U.
     """
-    x, y = stretch
-    return (x, y, 1.0) if thickness_rule == "natural" else (x, y, 1 / (x * y))
+    (x, shear), (_, y) = stretch
+    thinning = 1.0 if thickness_rule == "natural" else 1 / (x * y - shear * shear)
+    return x, shear, y, thinning
 
 
 def bilayer_solid(
@@ -113,64 +146,81 @@ def bilayer_solid(
     Both ways of drawing a stretched layer have the `thickness` of the specimen's `Layer`: it is the
     natural thickness by one rule and the bonded one by the other.
     """
-    parts = layers_on(specimen, mesh)
-    layered = LayeredMesh(extruded(parts, mesh, settings), comm)
+    layers = layers_on(specimen, mesh)
+    layered = LayeredMesh(extruded(specimen, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
-    acceleration = -weight + saddle * _saddle_shape(layered, specimen.outer_radius)
-    layers = [_solid_layer(layered, part.layer, acceleration) for part in parts]
+    densities = tuple(_constant(layered, layer.density) for layer in layers)
+    parts = []
+    for layer, density in zip(layers, densities, strict=True):
+        acceleration = -weight + saddle * _saddle_shape(layered, saddle_on(layer, specimen, mesh))
+        parts.append(_solid_layer(layered, layer, density * acceleration))
     solid = Solid(
         layered,
-        layers,
-        pressure_scale=specimen.substrate.material.shear_modulus / specimen.substrate.thickness,
+        parts,
+        pressure_scale=specimen.carrier.material.shear_modulus / specimen.carrier.thickness,
         quadrature_degree=settings.quadrature_degree,
     )
-    return BilayerSolid(
-        solid,
-        specimen,
-        tuple(part.name for part in parts),
-        ReleasePath(
-            specimen.prestretch.milestones, weight_way=WEIGHT_WAY if specimen.gravity else 0.0
-        ),
-        settings.imperfection,
-        weight,
-        saddle,
-    )
+    names = tuple(layer.name for layer in layers)
+    return BilayerSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
 
 
-def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
-    """Return the unstretched layers that a planar mesh has any triangles of, the lower one first.
-
-    Unstretched, they have the thickness with which they are drawn.
-    """
-    layers = specimen.bonded_layers(UNSTRETCHED)
-    return [part for part in layers if len(mesh.faces_in(part.regions))]
+def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
+    """Return the layers that a planar mesh has any triangles of, from the bottom up."""
+    return [layer for layer in specimen.layers if len(mesh.faces_of(layer.name))]
 
 
-def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
-    """Extrude the planar mesh, each layer where it lies."""
-    elements = {
-        "substrate": settings.substrate_elements,
-        "kirigami": settings.kirigami_elements,
-    }
+def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+    """Extrude the planar mesh, each layer where it lies, the reference surface at z = 0."""
+    layers = layers_on(specimen, mesh)
     slabs = [
-        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_in(part.regions)])
-        for part in parts
+        Slab(
+            layer.thickness,
+            elements_through(layer.name, specimen, settings),
+            mesh.triangles[mesh.faces_of(layer.name)],
+        )
+        for layer in layers
     ]
-    return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
+    return extrude(mesh, slabs, below=_layers_below(specimen, layers))
+
+
+def _layers_below(specimen: Specimen, layers: Sequence[Layer]) -> float:
+    """Return how many of some layers, and what part of one, lie below the reference surface."""
+    surface, names = specimen.reference_surface, specimen.layer_names
+    number = names.index(surface.layer)
+    below = sum(names.index(layer.name) < number for layer in layers)
+    is_there = any(layer.name == surface.layer for layer in layers)
+    return below + surface.share if is_there else below
+
+
+def elements_through(name: str, specimen: Specimen, settings: SolidSettings) -> int:
+    """Return the number of elements through a layer: as asked, or more for the reference surface.
+
+    That surface is a level of the mesh. So a layer that has it in its middle takes an even number.
+    """
+    surface, elements = specimen.reference_surface, settings.elements_through(name)
+    while surface.layer == name and not (surface.share * elements).is_integer():
+        elements += 1
+    return elements
+
+
+def saddle_on(layer: Layer, specimen: Specimen, mesh: PlanarMesh) -> SaddleLoad:
+    """Return the saddle-shaped load that is in balance on a layer, whatever its mass."""
+    triangles = mesh.triangles[mesh.faces_of(layer.name)]
+    return SaddleLoad.on_plate(mesh.points, triangles, specimen.characteristic_length)
 
 
 def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
-    """Return the six vertex components at the interface that are held, by nodes of the plane."""
-    a, b, c = volume.interface[list(nodes)]
+    """Return the six vertex components at the reference surface that are held, by planar nodes."""
+    a, b, c = volume.reference_surface[list(nodes)]
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
 
 
-def _solid_layer(mesh: LayeredMesh, layer: Layer, acceleration: Any) -> SolidLayer:
-    natural = _constant(mesh, (1.0, 1.0, 1.0))
+def _solid_layer(mesh: LayeredMesh, layer: Layer, weight_density: Any) -> SolidLayer:
+    """Return a layer under a dead force per natural volume, N/m3."""
+    natural = _constant(mesh, (1.0, 0.0, 1.0, 1.0))
     # det G volumes of mesh hold one natural volume, which is what the density is for
-    mass = _constant(mesh, layer.density) / (natural[0] * natural[1] * natural[2])
-    force = ufl.as_vector((0, 0, mass * acceleration))
-    return SolidLayer(strain_energy(mesh, layer), natural, force)
+    force = weight_density / ufl.det(natural_tensor(natural))
+    return SolidLayer(strain_energy(mesh, layer), natural, ufl.as_vector((0, 0, force)))
 
 
 def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:
@@ -180,11 +230,20 @@ def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:
     return energy
 
 
+def set_law(energy: StrainEnergy, layer: Layer) -> None:
+    """Give an energy made by `strain_energy` the constants of a layer's law."""
+    _, values = energy_constants(layer.material)
+    for name, value in values.items():
+        energy.symbols[name].value = value
+
+
 def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:
     return fem.Constant(mesh.mesh, np.asarray(value, dtype=default_scalar_type))
 
 
-def _saddle_shape(mesh: LayeredMesh, radius: float) -> Any:
-    """(X^2 - Y^2) / R^2: a load that is in balance with itself on a disc."""
-    X = ufl.SpatialCoordinate(mesh.mesh)
-    return (X[0] ** 2 - X[1] ** 2) / _constant(mesh, radius) ** 2
+def _saddle_shape(mesh: LayeredMesh, load: SaddleLoad) -> Any:
+    """Return the acceleration of a load, over its size, its numbers free of the compiled forms."""
+    x, y, _ = ufl.SpatialCoordinate(mesh.mesh)
+    a, b, c = load.affine
+    free = SaddleLoad(_constant(mesh, load.length), _constant(mesh, (a, b, c)))
+    return free.at(x, y)

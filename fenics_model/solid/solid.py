@@ -5,7 +5,8 @@ pressure jumps across the bond. Every pressure is a field on the whole mesh whos
 layer are held at zero. The solid knows layers, natural states and dead loads, and no specimen.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from fenics_model.api.jit import JIT_OPTIONS
 from fenics_model.mesh.layered_mesh import LayeredMesh
+from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import StrainEnergy, stress
 from fenics_model.solid.tangent import ExtrapolatedTangent
 from fenics_model.solid.unknown import Unknown
@@ -32,8 +34,8 @@ class SolidLayer:
     ----------
     energy : StrainEnergy
         The law.
-    natural : dolfinx Constant of shape (3,)
-        The natural state (lx, ly, s) of `strain_energy`; its value may change along a load path.
+    natural : dolfinx Constant of shape (4,)
+        See `strain_energy.natural_tensor`; its value may change along a load path.
     body_force : UFL vector
         Dead force per volume of the mesh, N/m3.
     """
@@ -45,6 +47,9 @@ class SolidLayer:
 
 class Solid:
     """Energy, residual and tangent of a layered solid.
+
+    The forms are evaluated at `unknown`. Whoever evaluates one says at which state (`at`); nobody
+    relies on what is in `unknown` otherwise.
 
     Parameters
     ----------
@@ -62,8 +67,8 @@ class Solid:
     ----------
     space : dolfinx.fem.FunctionSpace
         Of displacement and pressures.
-    state : Unknown
-        The unknown.
+    unknown : Unknown
+        The state at which the forms are evaluated.
     residual : dolfinx.fem.Form
         First derivative of the potential energy.
     tangent : ExtrapolatedTangent
@@ -88,22 +93,22 @@ class Solid:
         self.space = fem.functionspace(
             mesh.mesh, basix.ufl.mixed_element([quadratic, *[linear] * len(layers)])
         )
-        self.state = Unknown(self.space)
+        self.unknown = Unknown(self.space)
         self.dx = ufl.Measure(
             "dx", mesh.mesh, subdomain_data=mesh.layer_tags,
             metadata={"quadrature_degree": quadrature_degree},
         )  # fmt: skip
         self.pressure_scale = fem.Constant(mesh.mesh, default_scalar_type(pressure_scale))
-        displacement, *unscaled = ufl.split(self.state)
+        displacement, *unscaled = ufl.split(self.unknown)
         self.displacement = displacement
         self.pressures = [self.pressure_scale * q for q in unscaled]
         self.gradient = ufl.Identity(3) + ufl.grad(displacement)
         self._layer_energies = [self._form(density) for density in self._stored()]
-        residual = ufl.derivative(self._potential(), self.state, ufl.TestFunction(self.space))
+        residual = ufl.derivative(self._potential(), self.unknown, ufl.TestFunction(self.space))
         self.residual = self._form(residual)
         self.tangent = ExtrapolatedTangent(
-            self.state,
-            ufl.derivative(residual, self.state, ufl.TrialFunction(self.space)),
+            self.unknown,
+            ufl.derivative(residual, self.unknown, ufl.TrialFunction(self.space)),
             [
                 (stress(layer.energy, self.gradient, layer.natural, pressure), self.dx(i))
                 for i, (layer, pressure) in self._layers_with_pressure()
@@ -136,20 +141,68 @@ class Solid:
     def _form(integral: Any) -> fem.Form:
         return fem.form(integral, jit_options=JIT_OPTIONS)
 
-    def layer_energy(self, layer: int) -> float:
-        """Strain energy of a layer in the present state, J, the same on every rank."""
-        local = fem.assemble_scalar(self._layer_energies[layer])
+    @property
+    def undeformed(self) -> State:
+        """The state without displacement and pressure."""
+        return State(np.zeros_like(self.unknown.x.array))
+
+    def interpolate(
+        self,
+        displacement: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+        *pressures: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    ) -> State:
+        """Return the state of a displacement and pressures that are given by the place.
+
+        Parameters
+        ----------
+        displacement : callable
+            Takes coordinates (3, m), m; returns displacements (3, m), m.
+        *pressures : callable
+            Unscaled pressures q of the first layers, see `pressure_scale`; the others are 0.
+        """
+        function = fem.Function(self.space)
+        function.sub(0).interpolate(displacement)
+        for layer, pressure in enumerate(pressures):
+            function.sub(1 + layer).interpolate(pressure)
+        return State(function.x.array)
+
+    def function_of(self, state: State) -> fem.Function:
+        """Return a state as a function of its own."""
+        function = fem.Function(self.space)
+        function.x.array[:] = state.values
+        return function
+
+    def move_to(self, state: State) -> None:
+        """Evaluate the forms at a state from now on."""
+        self.unknown.x.array[:] = state.values
+
+    @contextmanager
+    def at(self, state: State) -> Iterator[None]:
+        """Evaluate the forms at a state meanwhile, then where they were evaluated before."""
+        before = State(self.unknown.x.array)
+        self.move_to(state)
+        try:
+            yield
+        finally:
+            self.move_to(before)
+
+    def layer_energy(self, layer: int, state: State) -> float:
+        """Return the strain energy of a layer, J, the same on every rank."""
+        return self._total(self._layer_energies[layer], state)
+
+    def potential_energy(self, state: State) -> float:
+        """Return the strain energy less the work of the dead loads, J, the same on every rank."""
+        return self._total(self._potential_form, state)
+
+    def _total(self, form: fem.Form, state: State) -> float:
+        with self.at(state):
+            local = fem.assemble_scalar(form)
         return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
 
     @cached_property
     def _potential_form(self) -> fem.Form:
         """Compiled when it is first needed, which is seldom."""
         return self._form(self._potential())
-
-    def potential_energy(self) -> float:
-        """Strain energy less the work of the dead loads, J, the same on every rank."""
-        local = fem.assemble_scalar(self._potential_form)
-        return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
 
     @cached_property
     def _owned_displacements(self) -> NDArray[np.int32]:
@@ -159,9 +212,12 @@ class Solid:
         dofs = np.unique([self.component(axis).dofmap.list for axis in range(3)])
         return dofs[dofs < owned].astype(np.int32)
 
-    def displacement_norm(self, values: NDArray[np.float64]) -> float:
-        """Euclidean norm of a change of state's displacement dofs, m, the same on every rank."""
-        local = float(np.sum(values[self._owned_displacements] ** 2))
+    def displacement_norm(self, change: NDArray[np.float64]) -> float:
+        """Return the Euclidean norm of the displacement dofs of a change of state, m.
+
+        It is the same on every rank.
+        """
+        local = float(np.sum(change[self._owned_displacements] ** 2))
         return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM) ** 0.5)
 
     def component(self, axis: int) -> fem.FunctionSpace:
@@ -201,8 +257,11 @@ class Solid:
         """Pressure unknowns that are not held, over all layers."""
         return sum(len(self.mesh.volume.vertices_of(layer)) for layer in range(len(self.layers)))
 
-    def vertex_displacements(self) -> NDArray[np.float64]:
-        """Displacement of all vertices in their original order, m, shape (v, 3)."""
-        values = self.state.x.array
-        columns = [self.mesh.gather(self.component(axis), values) for axis in range(3)]
+    def vertex_displacements(self, state: State) -> NDArray[np.float64]:
+        """Return the displacement of all vertices in their original order, m, shape (v, 3)."""
+        columns = [self.mesh.gather(self.component(axis), state.values) for axis in range(3)]
         return np.column_stack(columns)
+
+    def vertex_positions(self, state: State) -> NDArray[np.float64]:
+        """Return the deformed position of all vertices in their original order, m, shape (v, 3)."""
+        return self.mesh.volume.points + self.vertex_displacements(state)

@@ -1,15 +1,15 @@
 """Strain energies in UFL: a material is its energy, stresses follow by differentiation.
 
 Each law gives the energy per volume of the mesh from the mesh's own C = grad(x)^T grad(x) and
-J = det grad(x), the natural state and the pressure. The natural state is a diagonal
-G = diag(lx, ly, s): the elastic gradient is Fe = grad(x) G, and det G volumes of mesh hold one
-natural volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
+J = det grad(x), the natural state and the pressure. The natural state is a symmetric tensor G, see
+`natural_tensor`: the elastic gradient is Fe = grad(x) G, and det G volumes of mesh hold one natural
+volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
 
 The energies are mixed: p is an unknown of its own, whose stationarity gives p = U'(J) (or
 p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, Protocol
@@ -32,11 +32,16 @@ class StrainEnergy(Protocol):
             grad(x)^T grad(x), the deformation of the mesh without its rotation.
         J : UFL scalar
             det grad(x), which tells an inverted element from its mirror image.
-        natural : UFL vector (3,)
-            (lx, ly, s), see the module.
+        natural : UFL vector (4,)
+            See `natural_tensor`.
         pressure : UFL scalar
             The independent pressure (positive in tension), Pa.
         """
+        ...
+
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """What stands for the constants of the law, by the names of `energy_constants`."""
         ...
 
 
@@ -84,11 +89,11 @@ class HyperelasticEnergy:
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
-        G = ufl.diag(natural)
-        Ce, Je = G * C * G, J * ufl.det(G)
-        I1 = ufl.tr(Ce)
-        I2 = (I1**2 - ufl.tr(Ce * Ce)) / 2
-        isochoric = self._isochoric(Je ** (-2 / 3) * I1, Je ** (-4 / 3) * I2)
+        G = natural_tensor(natural)
+        B, Je = G * G, J * ufl.det(G)
+        I1, I2 = ufl.inner(C, B), ufl.inner(ufl.cofac(C), ufl.cofac(B))  # of Ce = G C G
+        k = ufl.exp(-2 / 3 * ufl.ln(Je))
+        isochoric = self._isochoric(k * I1, k * k * I2)
         volumetric = pressure * (Je - 1) - pressure**2 * self.law.d1 / 4
         return (isochoric + volumetric) / ufl.det(G)
 
@@ -101,8 +106,8 @@ class HyperelasticEnergy:
         return w.value + w.first_along(change) + w.second_along(change, change) / 2
 
     @property
-    def symbols(self) -> dict[str, Any]:
-        """What stands for the constants of the law."""
+    def symbols(self) -> Mapping[str, Any]:
+        """See `StrainEnergy`."""
         return self.law.numbers()
 
 
@@ -111,8 +116,8 @@ class LinearEnergy:
     """w = mu dev(e):dev(e) + p tr(e) - p^2 / (2 K), of the strain e = E + eps0.
 
     E is the Green strain from the bonded flat state and eps0 the initial strain of eq. 9 of the
-    paper, (lx - 1, ly - 1), with the thickness strain that leaves the bonded state in plane
-    stress. That state's stress is E eps / (1 - nu), the corrected eq. 8.
+    paper, U - 1 in plane, with the thickness strain that leaves the bonded state in plane stress.
+    That state's stress is E eps / (1 - nu), the corrected eq. 8.
 
     Parameters
     ----------
@@ -127,21 +132,35 @@ class LinearEnergy:
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
-        thinning = 1 / (natural[0] * natural[1] * natural[2])
+        thinning = 1 / ufl.det(natural_tensor(natural))
         thinned = ufl.diag(ufl.as_vector((1, 1, 1 / thinning)))
-        strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + ufl.diag(
-            self._initial_strain(natural)
-        )
+        strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + self._initial_strain(natural)
         deviator = ufl.dev(strain)
         shear = self.shear_modulus * ufl.inner(deviator, deviator)
         bulk = pressure * ufl.tr(strain) - pressure**2 * self.compliance / 2
         return (shear + bulk) * thinning
 
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """See `StrainEnergy`."""
+        return vars(self)
+
     def _initial_strain(self, natural: Any) -> Any:
         ratio = self.shear_modulus * self.compliance
         poisson = (3 - 2 * ratio) / (6 + 2 * ratio)
-        in_plane = natural[0] - 1, natural[1] - 1
-        return ufl.as_vector((*in_plane, -poisson / (1 - poisson) * sum(in_plane)))
+        x, shear, y, _ = natural
+        across = -poisson / (1 - poisson) * (x - 1 + y - 1)
+        return ufl.as_matrix([[x - 1, shear, 0], [shear, y - 1, 0], [0, 0, across]])
+
+
+def natural_tensor(natural: Any) -> Any:
+    """Return G = [[Uxx, Uxy, 0], [Uxy, Uyy, 0], [0, 0, s]] of a natural state (Uxx, Uxy, Uyy, s).
+
+    U is the in-plane stretch from the natural state to the bonded one, s the thickness in the mesh
+    over the natural one. They may be numbers or UFL expressions.
+    """
+    x, shear, y, thickness = natural
+    return ufl.as_matrix([[x, shear, 0], [shear, y, 0], [0, 0, thickness]])
 
 
 def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> Any:

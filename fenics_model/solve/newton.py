@@ -2,18 +2,25 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import cached_property
+from types import TracebackType
 
+import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from bilayer.runtime.termination import PutOff, signals_put_off
 from fenics_model.api.dolfinx_api import RESIDUAL_IS_NO_NUMBER
-from fenics_model.solid.tangent import ExtrapolatedTangent
-from fenics_model.solve.interruption import Interruption, interruption_put_off
+from fenics_model.solid.solid import Solid
+from fenics_model.solid.state import State
+from fenics_model.solve.factors import Factors, why_factorisation_failed
+from fenics_model.solve.layout import AssembledMatrix, Layout
 from fenics_model.solve.petsc_options import UserOptions
-from fenics_model.solve.work import Stopwatch
+from fenics_model.solve.stopwatch import Stopwatch
 
 PREFIX = "bilayer_"
 DEFAULT_OPTIONS = {
@@ -32,24 +39,17 @@ DEFAULT_OPTIONS = {
 _FAILURES = {55: "out of memory", 71: "a pivot is zero", 72: "not a number", 76: "MUMPS failed"}
 """PETSc's error codes for what a shorter step may avoid."""
 
-_MUMPS_FAILURES = {
-    -5: "out of memory",
-    -7: "out of memory",
-    -8: "its workspace is too small",
-    -9: "its workspace is too small",
-    -10: "the tangent is singular",
-    -13: "out of memory",
-    -19: "more memory needed than allowed",
-    -20: "its buffer is too small",
-}
+Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NewtonOutcome:
     """How a solution ended.
 
     Parameters
     ----------
+    state : State
+        The solution, or where the iteration left it.
     converged : bool
         Whether the residual fell to the tolerance.
     iterations : int
@@ -59,14 +59,18 @@ class NewtonOutcome:
     correction : float
         Norm of the last correction.
     reason : str
-        Why it failed, in a few words; empty where it converged.
+        Why it failed, in a few words; empty if it converged.
+    factors : Factors or None
+        Of the last iteration's tangent, until the solver is used again; None without an iteration.
     """
 
+    state: State
     converged: bool
     iterations: int
     residual: float
     correction: float
     reason: str
+    factors: Factors | None
 
 
 class Viscosity:
@@ -74,47 +78,39 @@ class Viscosity:
 
     Parameters
     ----------
-    mass : PETSc Mat
-        M, with the sparsity of the tangent, see `Newton.assembled`.
+    mass : AssembledMatrix
+        M.
     k : float
         Viscosity over time step.
-    origin : PETSc Vec
+    origin : State
         Where the motion starts.
+    layout : Layout
+        Of the dofs.
     """
 
-    def __init__(self, mass: PETSc.Mat, k: float, origin: PETSc.Vec) -> None:
-        self.mass, self.k, self._origin = mass, k, origin
-        self._motion, self._force = origin.duplicate(), origin.duplicate()
+    def __init__(self, mass: AssembledMatrix, k: float, origin: State, layout: Layout) -> None:
+        self.mass, self.k = mass, k
+        self._origin, self._layout = origin, layout
 
-    def force(self, x: PETSc.Vec) -> PETSc.Vec:
-        """Return the force at x."""
-        self._motion.waxpy(-1.0, self._origin, x)
-        self.mass.mult(self._motion, self._force)
-        self._force.scale(self.k)
-        return self._force
+    def force(self, state: State) -> Array:
+        """Return the force at a state."""
+        return self.k * self.mass.times(state - self._origin)
 
-    def norm_and_work(self, x: PETSc.Vec) -> tuple[float, float]:
-        """Return the norm of the force at x, N, and the work that the motion took, J."""
-        force = self.force(x)
-        return float(force.norm()), float(force.dot(self._motion))
-
-    def destroy(self) -> None:
-        """Free what PETSc holds, but for the mass."""
-        for held in (self._origin, self._motion, self._force):
-            held.destroy()
+    def norm_and_work(self, state: State) -> tuple[float, float]:
+        """Return the norm of the force at a state, N, and the work that the motion took, J."""
+        force = self.force(state)
+        return self._layout.norm(force), self._layout.dot(force, state - self._origin)
 
 
 class Newton:
-    """Solves residual(state) = 0 with some dofs of the state held.
+    """Finds states of a solid whose residual vanishes, some dofs held.
+
+    It owns PETSc's objects: close it, or use it as a context manager.
 
     Parameters
     ----------
-    residual : dolfinx.fem.Form
-        Of a symmetric problem.
-    tangent : ExtrapolatedTangent
-        Its derivative.
-    state : dolfinx.fem.Function
-        The unknown: initial guess before, solution after.
+    solid : Solid
+        Whose states.
     held : sequence of dolfinx.fem.DirichletBC
         Constraints.
     iteration_limit : int
@@ -123,214 +119,215 @@ class Newton:
         PETSc options that win over `DEFAULT_OPTIONS` and over the global options database.
     stopwatch : Stopwatch, optional
         Told of the work.
+
+    Attributes
+    ----------
+    layout : Layout
+        Of the dofs.
+    stopwatch : Stopwatch
+        As handed in.
     """
 
     def __init__(
         self,
-        residual: fem.Form,
-        tangent: ExtrapolatedTangent,
-        state: fem.Function,
+        solid: Solid,
         held: Sequence[fem.DirichletBC],
         *,
         iteration_limit: int = 20,
         options: str = "",
         stopwatch: Stopwatch | None = None,
     ) -> None:
-        self._residual_form, self._extrapolated = residual, tangent
-        self.state, self._held = state, list(held)
-        self._x, self._r = (_vector_of(state) for _ in range(2))
-        self.matrix = fem_petsc.create_matrix(tangent.form)
-        self.matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self.matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
-        self.snes = PETSc.SNES().create(state.function_space.mesh.comm)
-        self.snes.setOptionsPrefix(PREFIX)
-        self.snes.setFunction(self._residual, self._r)
-        self.snes.setJacobian(self._tangent, self.matrix)
-        self.snes.setTolerances(max_it=iteration_limit)
+        self.solid, self.layout = solid, Layout(solid.space)
+        self._held = list(held)
         self._viscosity: Viscosity | None = None
-        self._interruption = Interruption()
-        self._stopwatch = Stopwatch() if stopwatch is None else stopwatch
+        self._handed_out: Factors | None = None
+        self._signals = PutOff()
+        self.stopwatch = Stopwatch() if stopwatch is None else stopwatch
         self._options = UserOptions(options, DEFAULT_OPTIONS, PREFIX)
+        with ExitStack() as stack:
+            self._create(iteration_limit, stack)
+            self._resources = stack.pop_all()
+
+    def _create(self, iteration_limit: int, stack: ExitStack) -> None:
+        """Make what PETSc solves with; the stack frees it."""
+        self._x, self._r = self.layout.create_vector(), self.layout.create_vector()
+        self._matrix = fem_petsc.create_matrix(self.solid.tangent.form)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
+        self._snes = PETSc.SNES().create(self.layout.comm)
+        for made in (self._x, self._r, self._matrix, self._snes):
+            stack.callback(made.destroy)
+        self._snes.setOptionsPrefix(PREFIX)
+        self._snes.setFunction(self._residual, self._r)
+        self._snes.setJacobian(self._tangent, self._matrix)
+        self._snes.setTolerances(max_it=iteration_limit)
         with self._options.in_force():
-            self.snes.setFromOptions()
+            self._snes.setFromOptions()
+        self._ksp = self._snes.getKSP()
+        stack.callback(self._ksp.destroy)
 
-    def destroy(self) -> None:
+    def close(self) -> None:
         """Free what PETSc holds."""
-        for held in (self.snes, self.matrix, self._x, self._r):
-            held.destroy()
+        self._take_factors_back()
+        self._resources.close()
 
-    def solve(self, tolerance: float) -> NewtonOutcome:
-        """Iterate until the norm of the residual falls to `tolerance`.
+    def __enter__(self) -> "Newton":
+        return self
 
-        Where that fails the state is where the iteration left it.
-        """
-        self._apply_held()
-        self._extrapolated.forget()
-        self._drop_failed_factors()
-        self.snes.setTolerances(atol=tolerance)
-        self._x.array[:] = self.state.x.array[: self._x.local_size]
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def solve(self, guess: State, tolerance: float) -> NewtonOutcome:
+        """Iterate from a guess until the norm of the residual falls to `tolerance`."""
+        self._start_anew(guess)
+        self._snes.setTolerances(atol=tolerance)
         reason = self._iterate()
-        self._set_state(self._x)
-        iterations = self.snes.getIterationNumber()
+        iterations = self._snes.getIterationNumber()
         if iterations:
             self._options.check_all_used()
         return NewtonOutcome(
+            State(self.layout.read(self._x)),
             converged=not reason,
             iterations=iterations,
-            residual=float(self.snes.getFunctionNorm()),
-            correction=float(self.snes.getSolutionUpdate().norm()) if iterations else 0.0,
+            residual=float(self._snes.getFunctionNorm()),
+            correction=float(self._snes.getSolutionUpdate().norm()) if iterations else 0.0,
             reason=reason,
+            factors=self._hand_out_factors() if iterations else None,
         )
 
     def _iterate(self) -> str:
         """Run PETSc's iteration from `_x`; return why it failed, or an empty text."""
         with (
-            interruption_put_off() as self._interruption,
-            self._stopwatch.solving(),
+            signals_put_off() as self._signals,
+            self.stopwatch.solving(),
             self._options.in_force(),
         ):
             try:
-                self.snes.solve(None, self._x)
+                self._snes.solve(None, self._x)
             except PETSc.Error as error:
                 if error.ierr not in _FAILURES:
                     raise
                 return f"PETSc: {_FAILURES[error.ierr]}"
-        reason = self.snes.getConvergedReason()
+        reason = self._snes.getConvergedReason()
         if reason > 0:
             return ""
         if reason == PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE:
-            return why_factorisation_failed(self.factors)
+            return why_factorisation_failed(self._ksp.getPC())
         return _in_words(reason)
 
-    def residual_norm(self) -> float:
-        """Norm of the residual of the present state, held dofs left out."""
-        self._apply_held()
+    def factorise(self, state: State) -> Factors:
+        """Factorise the tangent of a state."""
+        self._start_anew(state)
+        self._tangent(self._snes, self._x, self._matrix, self._matrix)
+        self._ksp.setOperators(self._matrix)
+        with self.stopwatch.solving(), self._options.in_force():
+            self._ksp.setUp()
+        return self._hand_out_factors()
+
+    def _start_anew(self, state: State) -> None:
+        """Forget the tangents so far, and go to a state.
+
+        PETSc would return a failed factorisation from then on, so it is dropped.
+        """
+        self._take_factors_back()
+        self.solid.tangent.forget()
+        factors = self._ksp.getPC()
+        if factors.getFailedReason():
+            factors.reset()
+        self._go_to(state)
+        self._x.array[:] = self.solid.unknown.x.array[: self.layout.owned]
+
+    def _hand_out_factors(self) -> Factors:
+        self._handed_out = Factors(self._ksp, self._matrix, self.layout)
+        return self._handed_out
+
+    def _take_factors_back(self) -> None:
+        if self._handed_out is not None:
+            self._handed_out.release()
+
+    @cached_property
+    def held_dofs(self) -> NDArray[np.int32]:
+        """Dofs of this rank that are held, its ghosts included."""
+        return np.unique(np.concatenate([c.dof_indices()[0] for c in self._held] or [[]])).astype(
+            np.int32
+        )
+
+    def residual(self, state: State) -> Array:
+        """Return the residual of a state, that of held dofs left out."""
+        self._go_to(state)
         self._assemble_residual(self._r)
-        return float(self._r.norm())
+        return self.layout.read(self._r)
 
-    def factorise(self) -> PETSc.PC:
-        """Factorise the tangent of the present state and return what holds the factors."""
-        self._apply_held()
-        self._extrapolated.forget()
-        self._drop_failed_factors()
-        self._x.array[:] = self.state.x.array[: self._x.local_size]
-        self._tangent(self.snes, self._x, self.matrix, self.matrix)
-        solver = self.snes.getKSP()
-        solver.setOperators(self.matrix)
-        with self._stopwatch.solving(), self._options.in_force():
-            solver.setUp()
-        return solver.getPC()
+    def residual_norm(self, state: State) -> float:
+        """Return the norm of the residual of a state."""
+        return self.layout.norm(self.residual(state))
 
-    def _drop_failed_factors(self) -> None:
-        """Begin anew after a failed factorisation: PETSc would return it from then on."""
-        if self.factors.getFailedReason():
-            self.factors.reset()
+    @cached_property
+    def mass(self) -> AssembledMatrix:
+        """The displacements' mass matrix M at unit density, m3, zero for pressures and held dofs.
 
-    def corrections(self, *right: PETSc.Vec) -> list[PETSc.Vec]:
-        """Solve with the factors of the last tangent for one or more right-hand sides."""
-        found = [side.duplicate() for side in right]
-        for side, correction in zip(right, found, strict=True):
-            self.factors.apply(side, correction)
-        return found
-
-    @property
-    def factors(self) -> PETSc.PC:
-        """What holds the factors of the last tangent."""
-        return self.snes.getKSP().getPC()
+        It is assembled when first needed, which is seldom.
+        """
+        mass = AssembledMatrix(self.solid.mass(), self._held, self.layout)
+        self._resources.callback(mass.close)
+        return mass
 
     @contextmanager
-    def slowed(self, mass: PETSc.Mat, k: float) -> Iterator[Viscosity]:
-        """Solve with a viscous force against leaving the present state meanwhile."""
-        self._viscosity = Viscosity(mass, k, self.vector())
+    def slow_down(self, k: float, origin: State) -> Iterator[Viscosity]:
+        """Solve with the viscous force k M (x - origin) meanwhile."""
+        self._viscosity = Viscosity(self.mass, k, origin, self.layout)
         try:
             yield self._viscosity
         finally:
-            self._viscosity.destroy()
             self._viscosity = None
 
-    def move_to(self, x: PETSc.Vec) -> None:
-        """Make x the present state."""
-        self._set_state(x)
-
-    def residual(self) -> PETSc.Vec:
-        """Return the residual of the present state, held dofs left out."""
-        self._apply_held()
-        self._assemble_residual(self._r)
-        return self._r.copy()
-
-    def vector(self) -> PETSc.Vec:
-        """Return a copy of the present state."""
-        copy = self._x.duplicate()
-        copy.array[:] = self.state.x.array[: copy.local_size]
-        return copy
-
-    def assembled(self, form: fem.Form) -> PETSc.Mat:
-        """Assemble a form on the same space; the rows and columns of held dofs are zero."""
-        matrix = fem_petsc.create_matrix(form)
-        fem_petsc.assemble_matrix(matrix, form, self._held, 0.0)
-        matrix.assemble()
-        return matrix
-
-    def _apply_held(self) -> None:
-        """Give the held dofs their values, so that no correction is due there."""
+    def _go_to(self, state: State) -> None:
+        """Evaluate at a state; its held dofs get their values, so that no correction is due."""
+        self.solid.move_to(state)
         for condition in self._held:
-            condition.set(self.state.x.array)
-        self.state.x.scatter_forward()
+            condition.set(self.solid.unknown.x.array)
+        self.solid.unknown.x.scatter_forward()
 
-    def _set_state(self, x: PETSc.Vec) -> None:
-        self.state.x.array[: x.local_size] = x.array_r
-        self.state.x.scatter_forward()
+    def _go_to_vector(self, x: PETSc.Vec) -> None:
+        """Evaluate at what a vector holds, which PETSc may have locked."""
+        self.solid.unknown.x.array[: self.layout.owned] = x.array_r
+        self.solid.unknown.x.scatter_forward()
 
     def _residual(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
-        self._set_state(x)
+        self._go_to_vector(x)
         self._assemble_residual(r)
         if self._viscosity is not None:
-            r.axpy(1.0, self._viscosity.force(x))
-        if self._interruption.asked_for:
+            force = self._viscosity.force(State(self.solid.unknown.x.array))
+            r.array[:] += force[: self.layout.owned]
+        if self._signals.asked_for:
             r.set(math.nan)  # ends the iteration
 
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:
             local.set(0)
-        with self._stopwatch.assembling():
-            fem_petsc.assemble_vector(r, self._residual_form)
+        with self.stopwatch.assembling():
+            fem_petsc.assemble_vector(r, self.solid.residual)
         r.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         for condition in self._held:
             dofs, owned = condition.dof_indices()
             r.array[dofs[:owned]] = 0.0
 
     def _tangent(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
-        self._set_state(x)
+        self._go_to_vector(x)
         P.zeroEntries()
-        self._extrapolated.advance()
-        with self._stopwatch.assembling():
-            fem_petsc.assemble_matrix(P, self._extrapolated.form, self._held)
+        self.solid.tangent.advance()
+        with self.stopwatch.assembling():
+            fem_petsc.assemble_matrix(P, self.solid.tangent.form, self._held)
             P.assemble()
-        self._stopwatch.count_factorisation()
+        self.stopwatch.count_factorisation()
         if self._viscosity is not None:
             same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
-            P.axpy(self._viscosity.k, self._viscosity.mass, same)
-
-
-def _vector_of(state: fem.Function) -> PETSc.Vec:
-    """Return a new ghosted vector laid out as the function's dofs."""
-    dofs = state.function_space.dofmap
-    block, index_map = dofs.index_map_bs, dofs.index_map
-    sizes = index_map.size_local * block, index_map.size_global * block
-    ghosts = index_map.ghosts.astype(PETSc.IntType)
-    return PETSc.Vec().createGhost(ghosts, sizes, bsize=block, comm=state.function_space.mesh.comm)
-
-
-def why_factorisation_failed(factors: PETSc.PC) -> str:
-    """Return in words what went wrong in a factorisation, by MUMPS' own number if it has one.
-
-    Source: MUMPS Users' guide, section "Error and warning diagnostics".
-    """
-    kind = factors.getFailedReason()
-    if factors.getFactorSolverType() != PETSc.Mat.SolverType.MUMPS:
-        return f"the linear solver failed, PETSc's reason {kind}"
-    number = factors.getFactorMatrix().getMumpsInfog(1)
-    return f"the factorisation failed: {_MUMPS_FAILURES.get(number, f'error {number} of MUMPS')}"
+            P.axpy(self._viscosity.k, self._viscosity.mass.petsc, same)
 
 
 def _in_words(reason: int) -> str:

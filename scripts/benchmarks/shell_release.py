@@ -11,9 +11,10 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from benchmarks.sections import cpu_by_section
-from bilayer import CutPattern, MeshSize, Specimen, generate_mesh, paper_specimen
+from bilayer import CutPattern, MeshSize, Specimen, generate_mesh, paper_specimen, solve
 from bilayer.mesh.generation import size_for
-from dshell import MorleySettings, solve, solver
+from bilayer.solvers import recording
+from dshell import MorleySettings
 from dshell.energies import morley_faces
 from dshell.energies.assembly import Assembly
 from dshell.solve import linear_solver, newton
@@ -33,7 +34,7 @@ SECTIONS = {
         for name in ("cholesky", "factor")
     ],
     "solution": [(linear_solver._PetscSystem, "solve")],
-    "measures": [(solver, "build_result")],
+    "measures": [(recording, "measure"), (recording, "build_result")],
 }
 
 
@@ -55,10 +56,11 @@ class Release:
     def specimen(self) -> Specimen:
         """Return the specimen, its mesh about as fine as asked for."""
         whole = paper_specimen().with_milestones([self.prestretch])
-        size = size_for(self.triangles, whole.outer_radius)
-        cut = whole.cut
+        size = size_for(self.triangles, whole.characteristic_length)
+        cut = whole.layer("kirigami").pattern
         assert isinstance(cut, CutPattern)
-        return replace(whole, mesh=MeshSize(size), cut=replace(cut, strips=self.strips))
+        cut_anew = whole.with_layer("kirigami", pattern=replace(cut, strips=self.strips))
+        return replace(cut_anew, mesh=MeshSize(size))
 
 
 def cost(release: Release) -> dict[str, Any]:
@@ -71,7 +73,7 @@ def cost(release: Release) -> dict[str, Any]:
     begin = time.process_time()
     with cpu_by_section(SECTIONS) as seconds:
         settings = MorleySettings(coarse_triangles=release.coarse_triangles)
-        result = solve(specimen, settings, mesh=mesh)
+        result = solve(specimen, "dshell", settings, mesh=mesh)
     total = time.process_time() - begin
     edges = len(mesh.points) + len(mesh.triangles) - 1  # Euler: the disc has no hole
     return {
@@ -95,7 +97,7 @@ def cost(release: Release) -> dict[str, Any]:
 def _start_up() -> float:
     """Return the CPU seconds of a small release, the first, which loads libraries such as PETSc."""
     begin = time.process_time()
-    solve(Release(FEW_TRIANGLES, prestretch=1.01).specimen())
+    solve(Release(FEW_TRIANGLES, prestretch=1.01).specimen(), "dshell")
     return time.process_time() - begin
 
 

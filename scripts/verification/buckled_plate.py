@@ -5,6 +5,7 @@ from dolfinx import fem
 
 from bilayer import MooneyRivlin
 from verification.solid_problem import (
+    count_modes,
     held_where,
     newton_of,
     rectangle,
@@ -18,12 +19,17 @@ MATERIAL = MooneyRivlin(4839.1, 14536.0, 1e-6)
 
 
 class BuckledPlate:
-    """The plate, in its flat equilibrium when it is made.
+    """The plate; close it.
 
     Parameters
     ----------
     compression : float
         Natural length over the distance of the clamps.
+
+    Attributes
+    ----------
+    flat : State
+        Its flat equilibrium.
     """
 
     def __init__(self, compression: float = COMPRESSION) -> None:
@@ -33,52 +39,59 @@ class BuckledPlate:
             for axis in (0, 1, 2)
         ]
         self.newton = newton_of(self.solid, ends)
-        self.solid.layers[0].natural.value = (compression, 1.0, 1.0)
-        self.reference = self.newton.residual_norm()
+        self.solid.layers[0].natural.value = (compression, 0.0, 1.0, 1.0)
+        self.reference = self.newton.residual_norm(self.solid.undeformed)
         self.tolerance = 1e-10 * self.reference
-        self.solved()
+        self.flat = self.solved(self.solid.undeformed)
 
-    def solved(self):
-        """Solve from the present state; it must converge."""
-        outcome = self.newton.solve(self.tolerance)
+    def close(self):
+        self.newton.close()
+
+    def solved(self, guess):
+        """The equilibrium that Newton's method finds from a guess."""
+        outcome = self.newton.solve(guess, self.tolerance)
         assert outcome.converged, outcome.reason
-        return outcome
+        return outcome.state
 
     def lift(self, height):
         """A change of the state: a parabola up, of a height over the length."""
-        lift = fem.Function(self.solid.space)
-        lift.sub(0).interpolate(
+        return self.solid.interpolate(
             lambda x: np.stack([0 * x[0], 0 * x[0], height * x[0] * (1 - x[0] / LENGTH)])
-        )
-        return lift.x.array
+        ).values
 
     def search(self, **options):
         """A search for branches whose side "plus" is up."""
-        return search_of(self.solid, self.newton, lambda x: x[0] * (1 - x[0] / LENGTH), **options)
+        return search_of(self.newton, lambda x: x[0] * (1 - x[0] / LENGTH), **options)
 
-    def energy(self):
-        return self.solid.potential_energy()
+    def leave(self, state, search):
+        """What a search finds that leaves an unstable equilibrium."""
+        with self.newton.factorise(state) as factors:
+            return search.leave_unstable(state, factors, self.tolerance, self.reference)
 
-    def energy_at(self, change):
-        """Potential energy of the present displacements and a change of them, in balance inside.
+    def relax(self, start, step_limit=100):
+        """Where the flow from a state ends."""
+        flow = self.search(step_limit=step_limit).flow
+        return flow.relax(start, self.tolerance, self.reference)
+
+    def unstable_modes(self, state):
+        return count_modes(self.newton, state)
+
+    def energy(self, state):
+        return self.solid.potential_energy(state)
+
+    def relaxed_energy(self, state):
+        """Potential energy of the displacements of a state, in balance inside.
 
         The pressures follow: the energy is a maximum in them.
         """
-        state = self.solid.state
-        kept = state.x.array.copy()
-        state.x.array[:] += change
-        here = state.copy()
+        here = self.solid.function_of(state)
         held = [
             fem.dirichletbc(here, np.unique(self.solid.component(axis).dofmap.list))
             for axis in range(3)
         ]
-        newton = newton_of(self.solid, held)
-        newton.solve(self.tolerance)
-        newton.destroy()
-        energy = self.energy()
-        state.x.array[:] = kept
-        return energy
+        with newton_of(self.solid, held) as newton:
+            return self.energy(newton.solve(state, self.tolerance).state)
 
-    def rise(self):
+    def rise(self, state):
         """Mean height of the vertices, m."""
-        return self.solid.vertex_displacements()[:, 2].mean()
+        return self.solid.vertex_displacements(state)[:, 2].mean()

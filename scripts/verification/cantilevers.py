@@ -20,6 +20,7 @@ from verification.shell_problem import (
     plate,
     pressure,
     single_layer,
+    states_on,
 )
 
 Array = NDArray[np.float64]
@@ -55,7 +56,7 @@ def heavy_strip(weight: float, cells: int = 40) -> float:
     strip = Strip(length, 0.01, thickness, young, cells)
     problem = strip.problem([single_layer(young, 0.0, thickness)])
     load_per_area = weight * young * thickness**3 / 12 / length**3
-    problem.load = pressure(strip.mesh, len(problem.flat), -load_per_area)
+    problem.load = pressure(strip.mesh, len(problem.flat_state), -load_per_area)
     line = strip.middle(problem.solved(1e-7, length / 4))
     return float(line[0, 2] - line[-1, 2]) / length
 
@@ -111,11 +112,9 @@ def sheared_strip(shares: Sequence[float], cells: int = 40) -> Iterator[Array]:
     length, width, thickness, young, force = 10.0, 1.0, 0.1, 1.2e6, 4.0
     strip = Strip(length, width, thickness, young, cells)
     problem = strip.problem([single_layer(young, 0.0, thickness)])
-    full = line_load(strip.mesh, len(problem.flat), strip.tip, force / width)
-    state = None
-    for share in shares:
-        problem.load = share * full
-        state = problem.solved(1e-7, length / 4, state)
+    problem.load = line_load(strip.mesh, len(problem.flat_state), strip.tip, force / width)
+    path = problem.path(1e-7, length / 4)
+    for state in states_on(path, [(share,) for share in shares]):
         yield strip.middle(state)[-1] - [length, 0.0, 0.0]
 
 

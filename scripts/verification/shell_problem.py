@@ -4,7 +4,7 @@ A clamp is a row of faces beside the clamped edge, stiff and held: the shell's o
 keep the slope there, and nothing in it knows of clamps. SI units.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,34 +12,63 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
 
 from bilayer import LinearElastic, PlanarMesh
-from bilayer.errors import ComputationError
-from dshell.energies.assembly import Assembly, Energy
+from bilayer.solvers.path import follow_path
+from dshell.energies.assembly import Energy
 from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
+from dshell.release.branches import NextEquilibrium
+from dshell.release.static import ShellState, StaticPath, StepLimits, equilibrium_solver
 from dshell.solve.linear_solver import best_linear_solver
-from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits
+from dshell.solve.newton import Body, EquilibriumSolver
 
 Array = NDArray[np.float64]
 CLAMP_STIFFNESS = 1e3
 """Young's modulus of a clamp over that of what it clamps."""
 
 
+Share = tuple[float]
+"""The load of a problem's path: which part of its full load acts."""
+FULL: Share = (1.0,)
+
+
 @dataclass
 class Problem:
-    """A shell under loads, some of its degrees of freedom held."""
+    """A shell under loads, some of its degrees of freedom held.
+
+    See `dshell.release.static.ShellProblem`: the load of its path is the share of the dead load.
+    """
 
     faces: MorleyFaces
-    flat: Array
+    flat_state: Array
     held: NDArray[np.int64]
     load: Array
     more: Sequence[Energy] = ()
     """Energies beside that of the faces, such as a moment's."""
 
+    unloaded: Share = (0.0,)
+    least_force = 0.0
+
     @property
     def energies(self) -> list[Energy]:
         """All of them, the faces' first."""
         return [self.faces, *self.more]
+
+    def flat(self, share: Share) -> Array:
+        """The flat state."""
+        return self.flat_state
+
+    def body(self, share: Share) -> Body:
+        """The shell under a share of its load."""
+        return Body(self.energies, share[0] * self.load)
+
+    def path(
+        self, tolerance: float = 1e-9, longest_step: float = 1.0, iterations: int = 60
+    ) -> StaticPath[Share]:
+        """The load path: each equilibrium in one step from the one before, stable or not."""
+        solver = self._solver()
+        limits = StepLimits(tolerance, iterations, longest_step)
+        return StaticPath(self, limits, solver, NextEquilibrium(solver))
 
     def solved(
         self,
@@ -49,34 +78,32 @@ class Problem:
         iterations: int = 60,
     ) -> Array:
         """State in equilibrium under the load, from flat or from another state."""
-        solver = self._solver()
-        weightless = Body(self.energies, 0 * self.load)
-        scale = solver.placed(weightless, self.flat).error + np.linalg.norm(self.load)
-        outcome = solver.settle(
-            [Body(self.energies, self.load)],
-            self.flat if start is None else start,
-            NewtonLimits(tolerance * scale, iterations, longest_step),
-        )
-        if not outcome.converged:
-            left = outcome.residual / scale
-            raise ComputationError(
-                f"no equilibrium in {outcome.iterations} iterations, relative residual {left:.1e}"
-            )
-        return outcome.state
+        path = self.path(tolerance, longest_step, iterations)
+        if start is not None:
+            path.move_to(ShellState(self.unloaded, start))
+        (state,) = states_on(path, [FULL])
+        return state
 
     def unstable_modes(self, state: Array) -> int:
         """Number of negative eigenvalues of the Hessian."""
-        return self._solver().unstable_modes(Body(self.energies, self.load), state)
+        return self._solver().unstable_modes(self.body(FULL), state)
 
     def least_stiffness(self, state: Array) -> float:
         """Eigenvalue of the Hessian nearest to 0, N/m."""
-        hessian = self._solver().placed(Body(self.energies, self.load), state).hessian()
+        hessian = self._solver().placed(self.body(FULL), state).hessian()
         begin = np.random.default_rng(0).normal(size=hessian.shape[0])
         return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
 
     def _solver(self) -> EquilibriumSolver:
-        assembly = Assembly(len(self.flat), self.energies, self.held)
-        return EquilibriumSolver(assembly, best_linear_solver())
+        return equilibrium_solver(self, best_linear_solver())
+
+
+def states_on(path: StaticPath[Share], shares: Sequence[Share]) -> Iterator[Array]:
+    """The states in equilibrium at shares of the load, one after the other."""
+    for step in follow_path(path, shares):
+        if step.failure is not None:
+            raise step.failure
+        yield step.point.state
 
 
 def plate(mesh: PlanarMesh, layers, profile="linear") -> tuple[MorleyFaces, Array]:

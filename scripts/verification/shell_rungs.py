@@ -10,7 +10,7 @@ import numpy as np
 from bilayer import MeshSize, PlanarMesh, open_result, paper_specimen, solve
 from bilayer.mesh.generation import generate_mesh
 from bilayer.results.comparison import compare
-from bilayer.results.result import result_mesh, result_specimen
+from bilayer.results.schema import result_mesh, result_specimen
 from dshell import HingeSettings, MorleySettings
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
@@ -229,7 +229,7 @@ def refined(
 
 def energies() -> Iterator[Check]:
     specimen, stretch = paper_specimen(), (1.2, 1.1)
-    mesh = generate_mesh(bilayers.ladder_disc(specimen.cut, 0.01))
+    mesh = generate_mesh(bilayers.ladder_disc(specimen.layer("kirigami").pattern, 0.01))
     linear, quadratic = (MorleySettings(profile=name) for name in ("linear", "quadratic"))
     models = {
         "morley, linear": MorleyModel(specimen, mesh, linear),

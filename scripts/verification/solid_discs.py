@@ -9,15 +9,16 @@ from mpi4py import MPI
 from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh.generation import generate_mesh
-from bilayer.results.result import result_mesh
+from bilayer.results.schema import result_mesh
 from bilayer.specimen.support import held_upright
 from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.branches.buckling_modes import least_stiffness
+from fenics_model.path.release_path import ReleasePath
 from fenics_model.release.specimen_solid import bilayer_solid, held_points
 from verification import bilayers
 from verification.bilayers import RADIUS, Cap
-from verification.solid_problem import followed, newton_of
+from verification.solid_problem import equilibria, load_path, newton_of
 
 CENTRE = 0.02
 """Radius of what is fitted for the curvatures at the centre, m."""
@@ -83,15 +84,14 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     specimen = disc(mismatches, size)
     mesh = generate_mesh(specimen)
     body = bilayer_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
-    solid = body.solid
+    solid, loads = body.solid, ReleasePath(specimen.prestretch.milestones)
     held = held_points(held_upright(mesh.points), solid.mesh.volume)
-    newton = newton_of(solid, solid.held_points(held))
-    mass = newton.assembled(solid.mass())
     found = []
-    for _ in followed(solid, newton, body.load, body.path.milestones, 0.001):
-        newton.factorise()
-        found.append(least_stiffness(newton, mass))
-    newton.destroy()
+    with newton_of(solid, solid.held_points(held)) as newton:
+        path = load_path(newton, lambda parameter: body.load(loads.place(parameter)), 0.001)
+        for point in equilibria(path, loads.milestones):
+            with newton.factorise(point.state) as factors:
+                found.append(least_stiffness(factors, newton.mass, point.state.values))
     return found
 
 

@@ -8,12 +8,13 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from ufl.algorithms.analysis import extract_constants
 
-from fenics_model.branches.branch_search import BranchSearch
-from fenics_model.branches.gradient_flow import GradientFlow
+from bilayer.solvers.path import follow_path
+from fenics_model.branches.branch_search import BranchSearch, SearchRule
+from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
+from fenics_model.branches.stability import unstable_modes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, extrude
-from fenics_model.path.continuation import Equilibrium, Tolerances, follow
-from fenics_model.path.guide import Guide
+from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.step_control import StepControl
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import energy_constants
@@ -34,7 +35,7 @@ def stacked(mesh, thicknesses, elements=1):
 
 
 def solid_of(volume, materials, comm=MPI.COMM_WORLD, body_force=0.0):
-    """The solid of a volume mesh, one material a layer; natural states start at (1, 1, 1)."""
+    """The solid of a volume mesh, one material a layer; natural states start at 1."""
     mesh = LayeredMesh(volume, comm)
 
     def constant(value):
@@ -45,7 +46,7 @@ def solid_of(volume, materials, comm=MPI.COMM_WORLD, body_force=0.0):
         kind, values = energy_constants(material)
         energy = kind(**{name: constant(value) for name, value in values.items()})
         force = ufl.as_vector((0, 0, constant(body_force)))
-        layers.append(SolidLayer(energy, constant((1.0, 1.0, 1.0)), force))
+        layers.append(SolidLayer(energy, constant((1.0, 0.0, 1.0, 1.0)), force))
     return Solid(mesh, layers, pressure_scale=materials[0].shear_modulus / 1e-3)
 
 
@@ -65,51 +66,52 @@ def held_where(solid, axis, where, value=0.0):
 
 
 def newton_of(solid, held, **options):
-    return Newton(
-        solid.residual, solid.tangent, solid.state, [*solid.absent_pressures(), *held], **options
-    )
+    """Newton's method on a solid, some dofs held besides the pressures outside their layers."""
+    return Newton(solid, [*solid.absent_pressures(), *held], **options)
 
 
-def flow_of(solid, newton, step_limit=100):
-    return GradientFlow(newton, solid, first_viscosity=FIRST_VISCOSITY, step_limit=step_limit)
+def count_modes(newton, state):
+    """The unstable modes of an equilibrium, by one factorisation."""
+    with newton.factorise(state) as factors:
+        return unstable_modes(factors, newton.solid.number_of_pressures)
 
 
-def search_of(solid, newton, lift=None, first_distance=1e-4, step_limit=100, choice="lowest"):
+def search_of(newton, lift=None, first_distance=1e-4, step_limit=100, rule=None):
     """A search for branches; `lift(x)` is the height that tells the sides of a mode apart."""
-    side = fem.Function(solid.space)
+    solid = newton.solid
+    side = solid.undeformed
     if lift is not None:
-        side.sub(0).interpolate(lambda x: np.stack([0 * x[0], 0 * x[0], lift(x)]))
-    flow = flow_of(solid, newton, step_limit)
-    return BranchSearch(
-        newton, flow, solid, first_distance=first_distance, side=side.x.array, choice=choice
+        side = solid.interpolate(lambda x: np.stack([0 * x[0], 0 * x[0], lift(x)]))
+    flow = GradientFlow(
+        newton, first_viscosity=FIRST_VISCOSITY, rule=FlowRule(step_limit=step_limit)
     )
+    rule = SearchRule() if rule is None else rule
+    return BranchSearch(newton, flow, first_distance=first_distance, side=side.values, rule=rule)
 
 
-def unguided(solid, newton):
-    """A guide without shapes: load steps alone."""
-    return Guide(newton, solid, extrusion=None, settle=None, shapes={})
-
-
-def followed(
-    solid, newton, load: Callable[[float], None], milestones: Sequence[float], first_step: float,
-    tolerance: float = 1e-10,
-) -> Iterator[Equilibrium]:  # fmt: skip
-    """The equilibria at the milestones of a load path, each while the solid is in its state."""
+def load_path(newton, load: Callable[[float], None], first_step: float, tolerance: float = 1e-10):
+    """The path of a solid under a load that `load` sets for a parameter."""
     control = StepControl(first_step, first_step / 100, 20 * first_step, 6)
-    search, guide = search_of(solid, newton), unguided(solid, newton)
-    tolerances = Tolerances(tolerance, 1e-4, 0.0)
-    for equilibrium in follow(newton, search, load, milestones, control, tolerances, guide):
-        if equilibrium.milestone is not None:
-            yield equilibrium
+    return Continuation(newton, search_of(newton), load, control, Tolerances(tolerance, 1e-4, 0.0))
 
 
-def mean(solid, expression, layer=0):
-    """Average of an expression over the mesh of a layer."""
+def equilibria(path: Continuation, targets: Sequence[float]) -> Iterator[LoadPoint]:
+    """The equilibria at the targets of a load path; ComputationError if one is not reached."""
+    for step in follow_path(path, targets):
+        if step.failure is not None:
+            raise step.failure
+        if step.is_at_target:
+            yield step.point
+
+
+def mean(solid, state, expression, layer=0):
+    """Average of an expression over the mesh of a layer, in a state."""
     comm = solid.mesh.mesh.comm
     parts = [
         fem.form(integrand * solid.dx(layer)) for integrand in (expression, 1.0 + 0 * expression)
     ]
-    total, volume = (comm.allreduce(fem.assemble_scalar(part)) for part in parts)
+    with solid.at(state):
+        total, volume = (comm.allreduce(fem.assemble_scalar(part)) for part in parts)
     return total / volume
 
 

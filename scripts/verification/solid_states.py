@@ -32,41 +32,44 @@ def block(material):
 
 
 def solve_block(solid, natural, sides):
-    """Hold a prestretched block at x, y = 0, on its top, and at x or y = SIDE for the `sides`."""
-    solid.layers[0].natural.value = natural
-    solid.state.x.array[:] = 0.0
+    """The state of a prestretched block held at x, y = 0, on its top, and at SIDE for the `sides`.
+
+    A side is the axis, x or y, along which the block is held at SIDE, too.
+    """
+    x, y, thickness = natural
+    solid.layers[0].natural.value = (x, 0.0, y, thickness)
     held = [held_where(solid, 2, lambda x: np.isclose(x[2], 0))]
     for axis in range(2):
         places = (0.0, SIDE) if axis in sides else (0.0,)
         held += [
             held_where(solid, axis, lambda x, a=axis, p=p: np.isclose(x[a], p)) for p in places
         ]
-    newton = newton_of(solid, held, iteration_limit=30)
-    outcome = newton.solve(1e-12)
-    newton.destroy()
+    with newton_of(solid, held, iteration_limit=30) as newton:
+        outcome = newton.solve(solid.undeformed, 1e-12)
     if not outcome.converged:
         raise ComputationError(f"no homogeneous state: {outcome.reason}")
+    return outcome.state
 
 
 def uniaxial_stress(solid, stretch: float) -> float:
     """Nominal stress of a block stretched along x, Pa."""
-    solve_block(solid, (stretch, 1.0, 1.0), sides={0})
-    return mean(solid, stress(solid)[0, 0])  # natural area = area of the mesh here
+    state = solve_block(solid, (stretch, 1.0, 1.0), sides={0})
+    return mean(solid, state, stress(solid)[0, 0])  # natural area = area of the mesh here
 
 
 def equibiaxial_stress(solid, stretch: float) -> tuple[float, float]:
     """Cauchy stresses, xx and yy, of a block stretched along x and y, Pa."""
-    solve_block(solid, (stretch, stretch, 1.0), sides={0, 1})
+    state = solve_block(solid, (stretch, stretch, 1.0), sides={0, 1})
     gradient = solid.gradient
     cauchy = stress(solid) * gradient.T / ufl.det(gradient)
-    return mean(solid, cauchy[0, 0]), mean(solid, cauchy[1, 1])
+    return mean(solid, state, cauchy[0, 0]), mean(solid, state, cauchy[1, 1])
 
 
 def planar_stress(solid, stretch: float) -> tuple[float, float]:
     """Nominal stresses, along and across, of a block stretched along x whose width is held, Pa."""
-    solve_block(solid, (stretch, 1.0, 1.0), sides={0, 1})
+    state = solve_block(solid, (stretch, 1.0, 1.0), sides={0, 1})
     P = stress(solid)  # per area of the mesh, whose width is the natural one
-    return mean(solid, P[0, 0]), stretch * mean(solid, P[1, 1])
+    return mean(solid, state, P[0, 0]), stretch * mean(solid, state, P[1, 1])
 
 
 @dataclass(frozen=True)
@@ -97,17 +100,16 @@ def compressible_patch(law=COMPRESSIBLE_TAPE) -> Patch:
     prescribed = fem.Function(space)
     prescribed.interpolate(lambda x: (F - np.eye(3)) @ x)
     dofs = fem.locate_dofs_topological((solid.space.sub(0), space), 2, facets)
-    newton = newton_of(solid, [fem.dirichletbc(prescribed, dofs, solid.space.sub(0))])
-    solid.state.sub(0).interpolate(lambda x: (F - np.eye(3)) @ x + 1e-4 * np.sin(2e3 * x[::-1]))
-    outcome = newton.solve(1e-13)
-    newton.destroy()
+    guess = solid.interpolate(lambda x: (F - np.eye(3)) @ x + 1e-4 * np.sin(2e3 * x[::-1]))
+    with newton_of(solid, [fem.dirichletbc(prescribed, dofs, solid.space.sub(0))]) as newton:
+        outcome = newton.solve(guess, 1e-13)
     if not outcome.converged:
         raise ComputationError(f"no solution of the patch: {outcome.reason}")
-    P = stress(solid)
+    P, state = stress(solid), outcome.state
     off = solid.gradient - ufl.as_matrix(F)
     return Patch(
-        mean(solid, ufl.det(solid.gradient)),
-        solid.layer_energy(0) / side**3,
-        np.array([[mean(solid, P[i, j]) for j in range(3)] for i in range(3)]),
-        mean(solid, ufl.inner(off, off)) ** 0.5,
+        mean(solid, state, ufl.det(solid.gradient)),
+        solid.layer_energy(0, state) / side**3,
+        np.array([[mean(solid, state, P[i, j]) for j in range(3)] for i in range(3)]),
+        mean(solid, state, ufl.inner(off, off)) ** 0.5,
     )

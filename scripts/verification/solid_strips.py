@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from bilayer import MooneyRivlin
-from bilayer.errors import ComputationError
 from bilayer.specimen.support import held_upright
 from fenics_model.release.specimen_solid import held_points, natural_state
+from fenics_model.solid.state import State
+from fenics_model.solve.newton import Newton
 from verification.solid_problem import (
-    followed,
+    equilibria,
     held_where,
+    load_path,
     newton_of,
     push,
     rectangle,
@@ -63,13 +65,14 @@ def flexed_strip(stretch: float, cells: int = 40, length: float = 40e-3) -> tupl
     volume = stacked(mesh, [THICKNESS, THICKNESS])
     solid = solid_of(volume, [SUBSTRATE, KIRIGAMI])
     edge = np.flatnonzero(mesh.points[:, 1] == 0)
-    first, last = volume.interface[edge[[0, -1]]]
+    first, last = volume.reference_surface[edge[[0, -1]]]
     held = [
         held_where(solid, 1, lambda x: np.full(x.shape[1], True)),
         *solid.held_points([(first, 0), (first, 2), (last, 2)]),
     ]
-    _release_along_x(solid, newton_of(solid, held), stretch, first_step=0.002)
-    line = (volume.points + solid.vertex_displacements())[volume.interface[edge]][:, [0, 2]]
+    with newton_of(solid, held) as newton:
+        released = _release_along_x(newton, stretch, first_step=0.002)
+    line = solid.vertex_positions(released)[volume.reference_surface[edge]][:, [0, 2]]
     middle = line[cells // 3 : cells - cells // 3 + 1]
     chords = np.diff(middle, axis=0)
     angles = np.unwrap(np.arctan2(chords[:, 1], chords[:, 0]))
@@ -83,21 +86,25 @@ def timoshenko_strip(stretch: float, cells: int = 40) -> float:
     mesh = rectangle(length, width, cells, 4)
     volume = stacked(mesh, [THICKNESS, THICKNESS])
     solid = solid_of(volume, [SUBSTRATE, KIRIGAMI])
-    newton = newton_of(solid, solid.held_points(held_points(held_upright(mesh.points), volume)))
-    _release_along_x(solid, newton, stretch, first_step=0.001)
-    moved = (volume.points + solid.vertex_displacements())[volume.interface]
+    held = solid.held_points(held_points(held_upright(mesh.points), volume))
+    with newton_of(solid, held) as newton:
+        released = _release_along_x(newton, stretch, first_step=0.001)
+    moved = solid.vertex_positions(released)[volume.reference_surface]
     along, across = mesh.points.T
     middle = (np.abs(across - width / 2) < 1e-9) & (np.abs(along - length / 2) < length / 6)
     return _circle_curvature(moved[middle][:, [0, 2]])
 
 
-def _release_along_x(solid, newton, stretch: float, first_step: float) -> None:
-    def load(parameter):
-        solid.layers[0].natural.value = natural_state((1 + parameter, 1.0), "natural")
+def _release_along_x(newton: Newton, stretch: float, first_step: float) -> State:
+    """The equilibrium with the lower layer prestretched along x."""
 
-    for _ in followed(solid, newton, load, [stretch - 1], first_step):
-        pass
-    newton.destroy()
+    def load(parameter):
+        newton.solid.layers[0].natural.value = natural_state(
+            ((1 + parameter, 0.0), (0.0, 1.0)), "natural"
+        )
+
+    (released,) = equilibria(load_path(newton, load, first_step), [stretch - 1])
+    return released.state
 
 
 def _circle_curvature(points: Array) -> float:
@@ -144,23 +151,23 @@ class Cantilever:
 
     def weighed(self, weights: Sequence[float]) -> Iterator[float]:
         """Hang it: for ascending weights b = q L^3 / D, the drop of the tip over the length."""
-        newton = newton_of(self.solid, self._held)
+        for state in self._hang(weights):
+            yield -self.solid.vertex_displacements(state)[self._tip, 2].mean() / self.length
+
+    def _hang(self, weights: Sequence[float]) -> Iterator[State]:
+        """The equilibria under ascending weights b = q L^3 / D."""
         unit = self.stiffness / self.length**3 / self.thickness
 
         def load(parameter):
             push(self.solid, -parameter * unit)
 
-        reached = []
-        for _ in followed(self.solid, newton, load, weights, 0.25, ROUND_OFF):
-            reached.append(-self.solid.vertex_displacements()[self._tip, 2].mean() / self.length)
-            yield reached[-1]
-        newton.destroy()
-        if len(reached) < len(weights):
-            raise ComputationError(f"no equilibrium at the weight {weights[len(reached)]}")
+        with newton_of(self.solid, self._held) as newton:
+            for point in equilibria(load_path(newton, load, 0.25, ROUND_OFF), weights):
+                yield point.state
 
     def energy_ratio(self, weight: float = 0.05) -> float:
         """Strain energy under a small weight over that of the plate in plane strain."""
-        (_,) = self.weighed([weight])
+        (state,) = self._hang([weight])
         load_per_length = weight * self.stiffness / self.length**3
         exact = load_per_length**2 * self.length**5 * self.width / (40 * self.stiffness)
-        return self.solid.layer_energy(0) / exact
+        return self.solid.layer_energy(0, state) / exact

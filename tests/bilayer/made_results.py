@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from shapes import cap
 
 from bilayer import MeshSize, generate_mesh, paper_specimen
-from bilayer.results.result import MilestoneState, build_result
+from bilayer.results.assembly import Provenance, build_result
+from bilayer.results.schema import MilestoneState
 
 
 @dataclass(frozen=True)
@@ -49,8 +50,10 @@ def cap_result(specimen=None, *, reached=None, motion=None, solver="dshell", **o
         "model": "paper",
         "settings": NoSettings(),
         "versions": {"numpy": "1"},
-        "stop_reason": "" if math.isinf(reached) else f"no convergence at {reached}",
         **options,
     }
+    stopped = "" if math.isinf(reached) else f"no convergence at {reached}"
+    reason = options.pop("stop_reason", stopped)
     states = [state(milestone) for milestone in specimen.prestretch.nominal]
-    return build_result(specimen, mesh, states, solver=solver, **options)
+    made_by = Provenance.found(solver, **options)
+    return build_result(specimen, mesh, states, made_by, stop_reason=reason)

@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_results import cap_result, small_specimen
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
@@ -34,6 +35,43 @@ def whole():
 @pytest.fixture(scope="module")
 def stopped():
     return cap_result(reached=1.065)
+
+
+@pytest.mark.parametrize("draw", [draw_isometric, draw_birds_eye, draw_shapes])
+def test_a_milestone_taken_out_of_a_result_is_drawn(whole, stopped, draw):
+    (axes,) = [a for a in visible_axes(draw(whole.sel(prestretch=1.06))) if a.collections][:1]
+    assert "λ = 1.06" in axes.get_title()
+    draw(whole.sel(prestretch=[1.03, 1.06]))
+    draw(stopped.sel(prestretch=1.09))
+
+
+def test_a_milestone_taken_out_of_each_result_is_compared_and_drawn(whole, stopped):
+    one, other = whole.sel(prestretch=1.06), stopped.sel(prestretch=1.06)
+    compared = compare(one, other)
+    xr.testing.assert_identical(compared, compare(whole, stopped).isel(prestretch=[1]))
+    assert comparison_table(compared.isel(prestretch=0)) == comparison_table(compared)
+    for figure in (
+        draw_quality([one, other]),
+        draw_quality_against(other, one),
+        draw_comparison(compared.isel(prestretch=0)),
+        draw_distances([compared.isel(prestretch=0)]),
+    ):
+        assert figure.get_axes()
+
+
+@pytest.mark.parametrize(
+    ("draw", "given", "message"),
+    [
+        (draw_isometric, lambda r: r["position"], "result = DataArray: expected one dataset"),
+        (draw_isometric, lambda r: r.drop_vars("prestretch"), "result: has no prestretch"),
+        (draw_shapes, lambda r: "shell.nc", "result = str: expected one dataset"),
+        (draw_quality, lambda r: r, "results = a dataset: expected a list"),
+        (draw_distances, lambda r: r, "comparisons = a dataset: expected a list"),
+    ],
+)
+def test_what_is_no_result_is_told(whole, draw, given, message):
+    with pytest.raises(InputError, match=message):
+        draw(given(whole))
 
 
 def visible_axes(figure):

@@ -1,6 +1,6 @@
 """Progress where nobody looks: lines in a log, not too many."""
 
-from bilayer import progress
+from bilayer.runtime import progress
 from bilayer.runtime.progress import progress_bar
 
 

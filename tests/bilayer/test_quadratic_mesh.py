@@ -8,7 +8,7 @@ from made_results import small_specimen
 from bilayer import InputError, LinearElastic, generate_mesh
 from bilayer.calculix.drawn_layer import draw_layer
 from bilayer.calculix.quadratic_mesh import ELEMENTS, quadratic_mesh
-from bilayer.mesh.planar import BARE, KIRIGAMI
+from bilayer.specimen.two_layers import BARE, KIRIGAMI
 
 EDGES = {
     15: [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
@@ -63,7 +63,7 @@ def test_an_unknown_element_is_named():
 def test_elements_are_numbered_as_abaqus_does(mesh, element, name):
     stretch = (1.2, 1.1)
     bonded = small_specimen().bonded_layer(name, stretch)
-    scale = bonded.layer.material.natural_scale(bonded.stretch)
+    scale = bonded.layer.material.natural_scale(bonded.axial_stretch)
     drawn = draw_layer(quadratic_mesh(mesh, element), bonded, scale)
     for elements in (drawn.wedges, drawn.hexahedra):
         corners = {15: 6, 20: 8}[elements.shape[1]]
@@ -75,7 +75,7 @@ def test_elements_are_numbered_as_abaqus_does(mesh, element, name):
 
 
 def test_a_hyperelastic_layer_keeps_its_volume():
-    material = small_specimen().substrate.material
+    material = small_specimen().layer("substrate").material
     assert np.prod(material.natural_scale((1.2, 1.1))) == pytest.approx(1)
 
 
@@ -86,7 +86,7 @@ def test_the_first_nodes_are_the_interface_over_the_planar_nodes(mesh):
     drawn = draw_layer(quadratic_mesh(mesh), bonded, scale)
     first = drawn.points[: len(mesh.points)]
     assert first == pytest.approx(np.column_stack([mesh.points / stretch, 0 * mesh.points[:, 0]]))
-    natural = specimen.substrate.thickness
+    natural = specimen.layer("substrate").thickness
     assert np.ptp(drawn.points[:, 2]) == pytest.approx(natural)
 
 

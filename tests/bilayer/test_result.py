@@ -16,7 +16,7 @@ from bilayer import (
     write_result,
 )
 from bilayer.measures.shape import measure_shape
-from bilayer.results.result import build_result
+from bilayer.results.assembly import Provenance, build_result
 
 PER_MILESTONE = {
     "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height", "iterations",
@@ -58,7 +58,7 @@ def test_everything_has_a_unit_or_is_a_count_or_a_label(result):
 def test_measures_are_those_of_the_shapes(result):
     mesh = result_mesh(result)
     for k in range(3):
-        measures = measure_shape(mesh, result["position"].values[k])
+        measures = measure_shape(mesh, result["position"].values[k], 0.04)
         assert result["quality"].values[k] == measures.quality
         assert result["sphere_radius"].values[k] == measures.sphere_radius
         assert result["span"].values[k].tolist() == measures.span.tolist()
@@ -80,10 +80,8 @@ def test_a_milestone_that_was_not_reached_is_nan_with_its_last_shape(stopped):
 def test_milestones_that_were_not_begun_are_nan():
     specimen = small_specimen()
     mesh = generate_mesh(specimen)
-    result = build_result(
-        specimen, mesh, [], solver="dshell", model="paper", settings=NoSettings(),
-        versions={}, stop_reason="nothing was tried",
-    )  # fmt: skip
+    made_by = Provenance.found("dshell", "paper", NoSettings(), {})
+    result = build_result(specimen, mesh, [], made_by, stop_reason="nothing was tried")
     assert result["converged"].values.tolist() == [0, 0, 0]
     assert np.isnan(result["position"].values).all()
 

@@ -13,7 +13,6 @@ from shapes import cap, in_plane
 from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
 from bilayer.contact.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
 from bilayer.geometry.surface import Surface
-from bilayer.mesh.planar import KIRIGAMI
 from bilayer.results.report import contact_words, result_table, trust
 
 BELOW, ABOVE = 0.6e-3, 1e-3
@@ -53,7 +52,7 @@ def folded(points, gap, length=LENGTH):
 
 def body(mesh, below=BELOW, above=ABOVE):
     everywhere = np.arange(len(mesh.triangles))
-    return BondedBody(mesh, [Sheet(-below, everywhere), Sheet(above, mesh.faces_in([KIRIGAMI]))])
+    return BondedBody(mesh, [Sheet(-below, everywhere), Sheet(above, mesh.faces_of("kirigami"))])
 
 
 def paper_disc(size=0.003):
@@ -198,8 +197,8 @@ def test_the_body_of_a_specimen():
     specimen, mesh = paper_specimen(), strip()
     made = BondedBody.of(specimen, mesh, (1.25, 1.2))
     below, above = (sheet.height for sheet in made.sheets)
-    assert below == pytest.approx(-specimen.substrate.thickness / 1.5)
-    assert above == specimen.kirigami.thickness
+    assert below == pytest.approx(-specimen.layer("substrate").thickness / 1.5)
+    assert above == specimen.layer("kirigami").thickness
     assert made.shrinkage == pytest.approx(1 / 1.25)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from bilayer.cli.main import main
 from bilayer.cli.verbs import solve
-from bilayer.results.result import open_result
+from bilayer.results.files import open_result
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def test_sigterm_keeps_the_milestones_done(tmp_path, capsys, monkeypatch, model)
     before = signal.getsignal(signal.SIGTERM)
     words = ["--solver", "dshell", "--model", model, "--mesh-size", "0.012", "-o", "shell.nc"]
     stones = ["--prestretch", "1.01", "1.02", "1.03"]
-    assert main(["solve", "specimen.toml", *words, *stones]) == 130
+    assert main(["solve", "specimen.toml", *words, *stones]) == 143
     kept = open_result("shell.nc")
     done = kept["converged"].values.sum()
     told = capsys.readouterr().err

@@ -10,7 +10,7 @@ from bilayer.errors import ComputationError
 from dshell import HingeSettings, MorleySettings, solver
 from dshell.release import coarse_start
 from dshell.release.coarse_start import coarse_mesh, prolonged
-from dshell.release.static import StaticRelease
+from dshell.release.specimen_path import ShellPath
 
 COARSE = 120
 KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])
@@ -84,7 +84,7 @@ def test_a_mesh_turned_into_itself_has_the_same_cut(fine_specimen, fine_mesh, an
 
 def test_a_mesh_with_another_cut_starts_from_flat(fine_specimen, fine_mesh):
     """Its coarse mesh would have the specimen's cut, and so another shape."""
-    uncut = replace(fine_specimen, cut=None)
+    uncut = fine_specimen.with_layer("kirigami", pattern=None)
     assert coarse_mesh(fine_specimen, turned(fine_mesh, np.pi / 5), COARSE) is None
     assert coarse_mesh(uncut, fine_mesh, COARSE) is None
     result = solve(uncut, "dshell", MorleySettings(coarse_triangles=COARSE), mesh=fine_mesh)
@@ -92,13 +92,14 @@ def test_a_mesh_with_another_cut_starts_from_flat(fine_specimen, fine_mesh):
 
 
 def test_a_coarse_mesh_without_an_equilibrium_is_told(fine_specimen, fine_mesh, monkeypatch):
-    class Stopped(StaticRelease):
-        def approach(self, start, target):
-            if len(self._mesh.triangles) < len(fine_mesh.triangles):
-                raise ComputationError("lost")
-            yield from super().approach(start, target)
+    follow = ShellPath.approach
 
-    monkeypatch.setitem(solver.METHODS, "static", Stopped)
+    def approach(path, target):
+        if len(path.mesh.triangles) < len(fine_mesh.triangles):
+            raise ComputationError("lost")
+        yield from follow(path, target)
+
+    monkeypatch.setattr(ShellPath, "approach", approach)
     settings = MorleySettings(coarse_triangles=COARSE)
     result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
     assert result.converged.all()

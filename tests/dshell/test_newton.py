@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
+from bilayer import solve
+from bilayer.solvers.path import follow_path
 from dshell import HingeSettings
 from dshell.energies.assembly import Assembly
 from dshell.energies.edge_springs import EdgeSprings
 from dshell.energies.hinges import Hinges
 from dshell.energies.topology import Topology
-from dshell.models.hinge import HingeModel
-from dshell.release import static
+from dshell.release.branches import BRANCH_RULES
+from dshell.release.specimen_shell import SpecimenShell
+from dshell.release.static import StaticPath, StepLimits, equilibrium_solver
 from dshell.solve import newton
 from dshell.solve.linear_solver import SuperLUSolver, best_linear_solver
 from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits
@@ -132,15 +135,18 @@ class GrownMiddle:
     ("branch", "is_stable"), [("unstable", False), ("lowest", True), ("other", True)]
 )
 def test_an_unstable_equilibrium_is_left(coarse_specimen, coarse_mesh, branch, is_stable):
-    settings = HingeSettings(branch=branch)
-    specimen = coarse_specimen.with_milestones([1.05, 1.06])
-    path = static.StaticRelease(
-        specimen, coarse_mesh, GrownMiddle(coarse_mesh), settings, best_linear_solver()
+    settings = HingeSettings()
+    shell = SpecimenShell(
+        coarse_specimen, coarse_mesh, lambda specimen: GrownMiddle(coarse_mesh), settings.tolerance
     )
-    states, reason, _ = static.visit_milestones(specimen, path, None, None)
-    assert reason == ""
-    assert [state.unstable_modes == 0 for state in states] == [is_stable, is_stable]
-    assert (np.ptp(states[1].position[:, 2]) > 1e-3) == is_stable
+    equilibria = equilibrium_solver(shell, best_linear_solver())
+    limits = StepLimits(settings.tolerance, settings.max_iterations, 0.02, settings.ramp, 0.01)
+    rule = BRANCH_RULES[branch](equilibria, shell.escape)
+    path = StaticPath(shell, limits, equilibria, rule)
+    found = [step.point for step in follow_path(path, [(1.05, 1.05), (1.06, 1.06)])]
+    assert [point.unstable_modes == 0 for point in found] == [is_stable, is_stable]
+    height = np.ptp(shell.position(found[1].load, found[1].state)[:, 2])
+    assert (height > 1e-3) == is_stable
 
 
 def test_an_equilibrium_counts_its_unstable_modes_once(coarse_specimen, coarse_mesh, monkeypatch):
@@ -153,9 +159,5 @@ def test_an_equilibrium_counts_its_unstable_modes_once(coarse_specimen, coarse_m
 
     monkeypatch.setattr(EquilibriumSolver, "unstable_modes", counting)
     specimen = coarse_specimen.with_milestones([1.03, 1.05])
-    path = static.StaticRelease(
-        specimen, coarse_mesh, HingeModel(specimen, coarse_mesh), HingeSettings(),
-        best_linear_solver(),
-    )  # fmt: skip
-    states, *_ = static.visit_milestones(specimen, path, None, None)
-    assert [state.unstable_modes for state in states] == counted
+    result = solve(specimen, "dshell", HingeSettings(), mesh=coarse_mesh)
+    assert result["unstable_modes"].values.tolist() == counted

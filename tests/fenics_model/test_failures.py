@@ -9,10 +9,16 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
+from contextlib import contextmanager
+
+from verification.buckled_plate import BuckledPlate
+from verification.solid_problem import newton_of
+
 from bilayer import InputError, MeshSize, generate_mesh, paper_specimen
+from bilayer import solve as bilayer_solve
 from bilayer.errors import Interrupted
-from fenics_model import SolidSettings, solve
-from fenics_model.solid.tangent import ExtrapolatedTangent
+from fenics_model import SolidSettings
+from fenics_model.solve.stopwatch import Stopwatch
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 
@@ -20,6 +26,11 @@ COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 @pytest.fixture(scope="module")
 def mesh():
     return generate_mesh(COARSE)
+
+
+def solve(specimen, settings=None, **options):
+    """Load steps from flat."""
+    return bilayer_solve(specimen, "fenics", settings, start="flat", **options)
 
 
 def hasty(**changes):
@@ -70,36 +81,55 @@ def test_a_failed_run_leaves_nothing_behind(mesh):
         assert result["iterations"].values.tolist() == alone["iterations"].values.tolist()
 
 
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("within_petsc", [False, True])
-def test_an_interruption_keeps_the_milestones_done(mesh, monkeypatch, within_petsc, sent):
-    usual = ExtrapolatedTangent.advance
+@pytest.fixture(params=[signal.SIGINT, signal.SIGTERM])
+def sent(request):
+    """A signal that raises KeyboardInterrupt."""
+    before = signal.signal(request.param, signal.default_int_handler)
+    yield request.param
+    signal.signal(request.param, before)
 
+
+def test_an_interruption_keeps_the_milestones_done(mesh, sent):
     def interrupt(fraction, message):
-        if fraction <= 0.6:
-            return
-        if within_petsc:
-            monkeypatch.setattr(ExtrapolatedTangent, "advance", interrupted_advance)
-        else:
+        if fraction > 0.6:
             os.kill(os.getpid(), sent)
 
-    def interrupted_advance(self):
-        os.kill(os.getpid(), sent)
-        usual(self)
-
-    before = signal.signal(sent, signal.default_int_handler)
-    try:
-        with pytest.raises(Interrupted) as raised:
-            solve(COARSE.with_milestones([1.01, 1.02, 1.03]), mesh=mesh, progress=interrupt)
-    finally:
-        signal.signal(sent, before)
-        monkeypatch.undo()
+    with pytest.raises(Interrupted) as raised:
+        solve(COARSE.with_milestones([1.01, 1.02, 1.03]), mesh=mesh, progress=interrupt)
     kept = raised.value.result
     assert kept["converged"].values[0] == 1
     assert kept["converged"].values[-1] == 0
     assert kept.attrs["stop_reason"] == "interrupted"
     whole = solve(COARSE.with_milestones([1.01]), mesh=mesh)
     assert kept["position"].values[0] == pytest.approx(whole["position"].values[0], abs=1e-9)
+
+
+class InterruptingStopwatch(Stopwatch):
+    """Sends this process a signal while PETSc has an assembly done, once."""
+
+    def __init__(self, sent):
+        super().__init__()
+        self._sent = [sent]
+
+    @contextmanager
+    def assembling(self):
+        if self._sent:
+            os.kill(os.getpid(), self._sent.pop())
+        with super().assembling():
+            yield
+
+
+def test_an_interruption_within_petsc_waits_for_its_end(sent):
+    """An exception may not pass through it; afterwards all is as before."""
+    plate = BuckledPlate()
+    guess = plate.flat + plate.lift(1e-4)
+    with newton_of(plate.solid, [], stopwatch=InterruptingStopwatch(sent)) as newton:
+        with pytest.raises(KeyboardInterrupt):
+            newton.solve(guess, plate.tolerance)
+        again = newton.solve(plate.flat, plate.tolerance)
+        assert again.state is not None
+    assert plate.solved(plate.flat) is not None
+    plate.close()
 
 
 def test_the_work_is_counted(mesh):

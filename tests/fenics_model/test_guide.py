@@ -15,7 +15,10 @@ from bilayer import (
     solve,
 )
 from bilayer.results.report import provenance
-from bilayer.results.starting import LONGEST_WAY, shapes_on_the_way, with_waypoints
+from bilayer.results.start_shapes import StartShapes
+from bilayer.results.starting import LONGEST_WAY, with_waypoints
+from bilayer.solvers.run import solve_with
+from fenics_model import SOLVER, SolidSettings
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.009))
 
@@ -45,23 +48,40 @@ def test_waypoints_stand_where_milestones_are_far_apart():
     assert len(pairs) == 3
 
 
-def test_shapes_are_found_at_and_between_milestones(shell, mesh):
-    found = shapes_on_the_way(shell, mesh, [(1.06, 1.06), (1.2, 1.2)])
-    assert [shape.milestone for shape in found] == [0, 0, 1]
-    assert [shape.remaining for shape in found] == pytest.approx([0.03, 0.0, 0.1])
+def test_shapes_are_found_at_and_between_targets(shell, mesh):
+    shapes = StartShapes.of(shell, mesh)
+    found = shapes.take_shapes((1.0, 1.0), (1.06, 1.06))
+    assert [shape.remaining for shape in found] == pytest.approx([0.03, 0.0])
     assert found[1].shape == pytest.approx(shell["position"].values[1])
+    (last,) = shapes.take_shapes((1.06, 1.06), (1.2, 1.2))
+    assert last.remaining == pytest.approx(0.1)
+    assert shapes.take_shapes((1.2, 1.2), (1.2, 1.3)) == []
 
 
-def test_without_a_shape_up_to_the_first_milestone_the_nearest_stands_in(shell, mesh):
-    (first,) = shapes_on_the_way(shell, mesh, [(1.01, 1.02)])
+def test_the_nearest_shape_stands_in(shell, mesh):
+    shapes = StartShapes.of(shell, mesh)
+    assert shapes.take_shapes((1.0, 1.0), (1.01, 1.02)) == []
+    first = shapes.take_nearest((1.01, 1.02))
     assert first.remaining == 0
     assert first.shape == pytest.approx(shell["position"].values[0])
+
+
+def test_a_shape_that_comes_again_is_taken_in_its_turn():
+    """Up, down, and up by the same prestretches: five shapes, each one's height its number."""
+    stretches = np.array([[1.03] * 2, [1.06] * 2, [1.03] * 2, [1.0] * 2, [1.03] * 2])
+    shapes = StartShapes(stretches, np.arange(5.0)[:, None, None] * np.ones((5, 1, 3)))
+    ways = [(1.0, 1.03), (1.03, 1.06), (1.06, 1.03), (1.03, 1.0), (1.0, 1.03)]
+    taken = [
+        [int(s.shape[0, 0]) for s in shapes.take_shapes((begin,) * 2, (end,) * 2)]
+        for begin, end in ways
+    ]
+    assert taken == [[0], [1], [2], [3], [4]]
 
 
 @needs_dolfinx
 def test_the_shell_leads_to_what_load_stepping_finds(shell, stepped, mesh):
     led = solve(COARSE.with_milestones([1.03, 1.06]), "fenics", mesh=mesh)
-    radius = COARSE.outer_radius
+    radius = COARSE.characteristic_length
     assert led["position"].values == pytest.approx(stepped["position"].values, abs=1e-8 * radius)
     assert led["unstable_modes"].values.tolist() == stepped["unstable_modes"].values.tolist()
     assert led["guided_steps"].values.tolist() == led["load_steps"].values.tolist() == [1, 1]
@@ -94,12 +114,11 @@ def test_a_shape_on_another_branch_leads_nowhere(shell, stepped, mesh):
 
 @needs_dolfinx
 def test_without_a_shell_the_load_is_stepped_and_the_result_says_why(stepped, mesh):
-    import fenics_model
-
     def failing(mesh):
         raise ComputationError("the shell stopped at prestretch 1")
 
-    result = fenics_model.solve(COARSE.with_milestones([1.03]), mesh=mesh, start=failing)
+    specimen = COARSE.with_milestones([1.03])
+    result = solve_with(SOLVER, specimen, SolidSettings(), mesh=mesh, start=failing)
     assert result.attrs["start"] == "flat, because the shell stopped at prestretch 1"
     assert result["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
 

@@ -11,11 +11,12 @@ from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
 from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import flat_surface
 from bilayer.results.conversion import convert_result
+from bilayer.specimen.two_layers import with_stretched
 from fenics_model import solve
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 STRETCH = (1.03, 1.02)
-RADIUS = COARSE.outer_radius
+RADIUS = COARSE.characteristic_length
 
 
 @pytest.fixture(scope="module")
@@ -24,9 +25,10 @@ def mesh():
 
 
 def released(mesh, layers, side, stretch=STRETCH):
-    specimen = replace(COARSE, kirigami_side=side).with_milestones([stretch])
-    prestretch = replace(specimen.prestretch, layers=layers)
-    return solve(replace(specimen, prestretch=prestretch), mesh=mesh)
+    specimen = with_stretched(COARSE, layers).with_milestones([stretch])
+    if side == "below":
+        specimen = replace(specimen, layers=specimen.layers[::-1])
+    return solve(specimen, mesh=mesh)
 
 
 def turned_over(mesh):

@@ -12,7 +12,6 @@ from verification.symmetry import asymmetry
 from bilayer import (
     ComputationError,
     InputError,
-    Layer,
     LinearElastic,
     MeshSize,
     generate_mesh,
@@ -23,9 +22,15 @@ from bilayer import (
 from bilayer import solve as bilayer_solve
 from bilayer.results.comparison import compare
 from dshell import MorleySettings
-from fenics_model import MODELS, SolidSettings, solve
+from fenics_model import SOLVER, SolidSettings
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.012))
+
+
+def solve(specimen, settings=None, start="flat", **options):
+    """Load steps from flat, if no start is given."""
+    return bilayer_solve(specimen, "fenics", settings, start=start, **options)
+
 
 needs_dolfinx = pytest.mark.skipif(find_spec("dolfinx") is None, reason="dolfinx is not there")
 
@@ -45,7 +50,7 @@ def test_without_dolfinx_the_package_imports_and_solve_says_what_is_missing():
     script = (
         "import sys; sys.modules['dolfinx'] = None\n"
         "import fenics_model, fenics_model.settings, bilayer\n"
-        "try: fenics_model.solve(bilayer.paper_specimen())\n"
+        "try: bilayer.solve(bilayer.paper_specimen(), 'fenics', start='flat')\n"
         "except bilayer.ComputationError as error: print(error)"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
@@ -71,7 +76,7 @@ def test_settings_name_what_is_wrong():
 
 @needs_dolfinx
 def test_settings_of_another_solver_are_refused(mesh):
-    with pytest.raises(InputError, match=r"settings = MorleySettings.*: expected SolidSettings"):
+    with pytest.raises(InputError, match=r"settings = MorleySettings.*: expected one of"):
         solve(COARSE, MorleySettings(), mesh=mesh)
 
 
@@ -89,7 +94,7 @@ def test_the_dataset_is_whole(released, mesh, tmp_path):
     write_result(released, tmp_path / "released.nc")
     result = open_result(tmp_path / "released.nc")
     assert result.attrs["solver"] == "fenics"
-    assert result.attrs["model"] in MODELS
+    assert result.attrs["model"] in SOLVER.models
     assert result.attrs["stop_reason"] == ""
     assert "dolfinx" in result.attrs["versions"]
     assert result["converged"].values.tolist() == [1, 1]
@@ -140,10 +145,8 @@ def test_milestones_do_not_depend_on_path_or_imperfection(released, mesh):
 @needs_dolfinx
 def test_the_two_ways_to_draw_the_substrate_agree(released, mesh):
     """A mesh of the bonded thickness of one prestretch has that prestretch's solution."""
-    constant = replace(
-        COARSE.with_milestones([1.04]),
-        substrate=replace(COARSE.substrate, thickness=COARSE.substrate.thickness / 1.04**2),
-    )
+    bonded = COARSE.layer("substrate").thickness / 1.04**2
+    constant = COARSE.with_milestones([1.04]).with_layer("substrate", thickness=bonded)
     constant = replace(constant, prestretch=replace(constant.prestretch, thickness="constant"))
     drawn_bonded = solve(constant, mesh=mesh)
     assert drawn_bonded["position"].values[0] == pytest.approx(
@@ -196,9 +199,9 @@ def test_linear_law_and_uncut_disc(mesh):
     """At a small prestretch the linear law bends as the hyperelastic ones."""
 
     def radius(law):
-        layers = {name: Layer(1e-3, law(modulus)) for name, modulus in
-                  (("substrate", 116250.0), ("kirigami", 368988.0))}  # fmt: skip
-        specimen = replace(COARSE, cut=None, **layers).with_milestones([1.005])
+        specimen = COARSE.with_milestones([1.005]).with_layer("kirigami", pattern=None)
+        for name, modulus in (("substrate", 116250.0), ("kirigami", 368988.0)):
+            specimen = specimen.with_layer(name, material=law(modulus))
         return float(
             solve(specimen, mesh=replace(mesh, region=np.ones_like(mesh.region)))["sphere_radius"][
                 0
@@ -222,14 +225,16 @@ def test_the_held_points_carry_the_weight(mesh, thickness):
     from dolfinx import fem
     from mpi4py import MPI
 
+    from fenics_model.path.release_path import LoadPlace
     from fenics_model.release.specimen_solid import bilayer_solid
 
     prestretch = replace(COARSE.prestretch, thickness=thickness)
     heavy = replace(COARSE, gravity=9.81, prestretch=prestretch).with_milestones([1.2])
     body = bilayer_solid(heavy, mesh, SolidSettings(imperfection=0.0), MPI.COMM_SELF)
-    body.load(body.path.milestones[0])
+    body.load(LoadPlace((1.2, 1.2), weight=1.0, imperfection=0.0))
     upward = body.solid.component(2).collapse()[1]
-    residual = fem.assemble_vector(body.solid.residual).array
+    with body.solid.at(body.solid.undeformed):
+        residual = fem.assemble_vector(body.solid.residual).array
     substrate, kirigami = mesh.areas.sum(), mesh.areas[mesh.region == 1].sum()
     natural = substrate / 1.2**2 if thickness == "natural" else substrate
     mass = 960.0 * 1e-3 * (natural + kirigami)
@@ -311,12 +316,8 @@ def test_without_prestretch_it_is_flat(mesh):
 
 @needs_dolfinx
 @pytest.mark.slow
-def test_the_mesh_does_not_matter_to_the_radius():
+def test_the_mesh_does_not_matter_to_the_radius(paper_6mm, paper_6mm_solid):
     """The best sphere at 1.06, within 1 % from mesh to mesh."""
-    radius = [
-        float(
-            solve(replace(COARSE.with_milestones([1.06]), mesh=MeshSize(size)))["sphere_radius"][0]
-        )
-        for size in (0.006, 0.004)
-    ]
-    assert radius[0] == pytest.approx(radius[1], rel=0.01)
+    finer = solve(replace(paper_6mm, mesh=MeshSize(0.004)).with_milestones([1.06]))
+    coarse = paper_6mm_solid["sphere_radius"].sel(prestretch=1.06)
+    assert float(coarse) == pytest.approx(float(finer["sphere_radius"][0]), rel=0.01)

@@ -1,0 +1,297 @@
+"""The contract of a solver: a package that follows the equilibria of a specimen along a load path.
+
+A solver package offers one object, `SOLVER`, of the class `Solver`. Its `open_path` makes a
+`SpecimenPath`; the driver (`bilayer.solvers.path`) takes that through the milestones, and whoever
+measures, writes or draws is an observer of the driver. The driver needs less than that of a path,
+so a `Path` may as well be that of a plate under a pressure, without a specimen.
+
+On several ranks every rank makes the same path and calls the same members in the same order: all
+members are collective, and what they return is the same on all ranks.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, Self, TypeVar
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.errors import ComputationError
+from bilayer.measures.milestone import Measures
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.runtime.progress import Progress
+from bilayer.specimen.specimen import Specimen
+
+Array = NDArray[np.float64]
+Stretch = tuple[float, float]
+Saved = Mapping[str, NDArray[Any]]
+"""All that a path needs to go on, as arrays (numbers or text) by name; part of a file."""
+Start = xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None
+"""A result on the mesh of the run, a function that makes one, or None: the flat state."""
+
+
+class TargetMissedError(ComputationError):
+    """A target cannot be reached, but the path may be asked for the next one."""
+
+
+class Effort(Protocol):
+    """The work between two points of a path; it adds up."""
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations, each with one factorisation, failed attempts included."""
+
+    @property
+    def load_steps(self) -> int:
+        """Load or time steps."""
+
+    def __add__(self, other: Self, /) -> Self:
+        """Return the work of both."""
+
+
+class PathPoint(Protocol):
+    """A state of a body on a path, good until the path is asked for the next one."""
+
+    @property
+    def share(self) -> float:
+        """Part of the way from the last target to the next, from 0 to 1; 1 at the target alone."""
+
+    @property
+    def effort(self) -> Effort:
+        """The work since the point before."""
+
+
+Target = TypeVar("Target", contravariant=True)
+Point = TypeVar("Point", bound=PathPoint, covariant=True)
+
+
+class Path(Protocol[Target, Point]):
+    """A body that goes from target to target, in any order, from where it is."""
+
+    def approach(self, target: Target) -> Iterator[Point]:
+        """Go to a target.
+
+        Yields
+        ------
+        PathPoint
+            Each one on the way; the last is at the target.
+
+        Raises
+        ------
+        TargetMissedError
+            The target cannot be reached, another one may.
+        ComputationError
+            The path ends before the target.
+        """
+
+    def stopped(self) -> Point:
+        """Return the state where `approach` failed: the last one, with the work done in vain."""
+
+
+class Linearised(Protocol):
+    """The equations of a body near an equilibrium: residual(state, parameters) = 0.
+
+    A parameter is one of `bilayer.solvers.parameters`. The equilibrium follows it by
+
+        d state / d parameter = -solve(residual_by(parameter)),
+
+    and a function J of the position by, with a = solve(state_gradient(dJ/dposition)),
+
+        dJ / d parameter = sum(dJ/dposition * position_by(parameter)) - a . residual_by(parameter).
+
+    The tangent is symmetric. It is good until the path goes on.
+    """
+
+    def solve(self, right_side: Array) -> Array:
+        """Return the solution of tangent x = right side, with the factorised tangent.
+
+        Parameters
+        ----------
+        right_side : (dofs,) array of float
+            Entries of held degrees of freedom do not count; those of the solution are 0.
+        """
+
+    def residual_by(self, parameter: str) -> Array:
+        """Return the derivative of the residual by a parameter, the state fixed, (dofs,)."""
+
+    def position_by(self, parameter: str) -> Array:
+        """Return the derivative of the position by a parameter, the state fixed, (n, 3)."""
+
+    def state_gradient(self, position_gradient: Array) -> Array:
+        """Return the gradient by the state of a function whose gradient by the position is given.
+
+        Parameters
+        ----------
+        position_gradient : (n, 3) array of float
+            Derivative of a number by `Equilibrium.position`.
+
+        Returns
+        -------
+        (dofs,) array of float
+            A right side for `solve`.
+        """
+
+    def position_change(self, state_change: Array) -> Array:
+        """Return how the position changes, (n, 3), m, with the state, (dofs,)."""
+
+
+class Equilibrium(PathPoint, Protocol):
+    """A specimen in equilibrium on its load path, good until the path goes on."""
+
+    @property
+    def stretch(self) -> Stretch:
+        """(lambda_x, lambda_y) of its prestretch."""
+
+    @property
+    def position(self) -> Array:
+        """The reference surface on the nodes of the planar mesh, m, shape (n, 3)."""
+
+    @property
+    def energy(self) -> Mapping[str, float]:
+        """Energy terms that a result lists, J."""
+
+    @property
+    def residual(self) -> float:
+        """Norm of the residual, relative to the solver's own reference."""
+
+    @property
+    def unstable_modes(self) -> int:
+        """Number of unstable modes; -1 where the method cannot tell, or nobody has counted."""
+
+    def measures(self) -> Measures:
+        """Return the measures of the shape."""
+
+    def details(self) -> Any:
+        """Return what `SpecimenPath.variables` needs of this milestone; it must outlive it."""
+
+    def save(self) -> Saved:
+        """Return all that the path needs to go on from here, for `SpecimenPath.restore`."""
+
+    def linearised(self) -> Linearised:
+        """Return the equations linearised here."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """The solver's own part of a milestone that was tried.
+
+    Parameters
+    ----------
+    effort : Effort
+        The work since the milestone before.
+    details : any
+        From `Equilibrium.details`; None where the milestone was not reached.
+    """
+
+    effort: Any
+    details: Any
+
+
+class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
+    """The load path of a specimen."""
+
+    @property
+    def mesh(self) -> PlanarMesh:
+        """The planar mesh."""
+
+    @property
+    def comm(self) -> Any:
+        """The communicator of the ranks that share the path, or None."""
+
+    @property
+    def start(self) -> str:
+        """How the path began, in a line, as far as it is known by now."""
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of the packages that compute."""
+
+    def restore(self, saved: Saved) -> None:
+        """Be where an equilibrium of the same specimen, mesh and settings was saved.
+
+        The path was opened with `start=None`. What follows is the same, to the last bit on the same
+        machine, as if the path had never been left.
+        """
+
+    def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
+        """Return the variables that this solver adds to a result; called on the first rank.
+
+        Parameters
+        ----------
+        milestones : sequence of Recorded or None
+            Of the milestones so far, in their order; None where an earlier run has tried it: that
+            row is taken from its file. The dataset has a row for every milestone of the specimen.
+        """
+
+    def close(self) -> None:
+        """Free what the path holds."""
+
+
+class OpenPath(Protocol):
+    """How a solver makes a path."""
+
+    def __call__(
+        self,
+        specimen: Specimen,
+        settings: Any,
+        *,
+        mesh: PlanarMesh | None,
+        start: Start,
+        comm: Any,
+        progress: Progress | None,
+    ) -> SpecimenPath:
+        """Return the path of a specimen, in its flat state or where it is to start.
+
+        Parameters
+        ----------
+        specimen : Specimen
+            What to release, with the milestones that are going to be the targets.
+        settings : settings dataclass
+            One of the solver's models.
+        mesh : PlanarMesh or None
+            The planar mesh; made from the specimen where None.
+        start : Dataset, callable or None
+            See `Start`.
+        comm : mpi4py.MPI.Comm or None
+            The ranks that share the path; where the solver is parallel, None is all of them.
+        progress : callable or None
+            Told of what comes before the path, such as another path on a coarse mesh.
+
+        Raises
+        ------
+        InputError
+            The settings are of no model of the solver, the specimen or the start does not suit it,
+            or the mesh would not fit into memory.
+        ComputationError
+            What the solver needs is not installed, or gmsh fails.
+        """
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver, as its package offers it.
+
+    Parameters
+    ----------
+    name : str
+        As in the registry and in results.
+    models : mapping of str to type
+        Its models by name, each the dataclass of that model's settings; the first is the default.
+        A class attribute `stopping_is_a_result` says that a run that stops early succeeds.
+    parallel : bool
+        Whether the ranks of mpirun share one path.
+    bytes_per_triangle : float
+        Memory that a run takes, for the check before it.
+    default_start : str
+        One of `bilayer.solvers.registry.STARTS`.
+    open_path : OpenPath
+        Makes a path.
+    """
+
+    name: str
+    models: Mapping[str, type]
+    parallel: bool
+    bytes_per_triangle: float
+    default_start: str
+    open_path: OpenPath

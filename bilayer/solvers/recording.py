@@ -1,0 +1,216 @@
+"""What a run keeps of each milestone, from the moment at which it is reached.
+
+`Recorder` is an observer of the driver. At a milestone it collects what a result has of it,
+measures the shape, and writes the file so far, before the path goes on. Ctrl-C and SIGTERM wait
+until that is done.
+"""
+
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from bilayer.errors import INTERRUPTED
+from bilayer.measures.milestone import Measures, measure
+from bilayer.results.assembly import Provenance, build_result
+from bilayer.results.files import ResumePoint, write_result
+from bilayer.results.schema import NOT_MEASURED, MilestoneState
+from bilayer.results.table import stretch_text
+from bilayer.runtime.ranks import on_first_rank
+from bilayer.runtime.termination import signals_put_off
+from bilayer.solvers.contract import Equilibrium, Recorded, Saved, SpecimenPath, TargetMissedError
+from bilayer.solvers.path import LoadStep
+from bilayer.solvers.resuming import Unfinished
+from bilayer.specimen.specimen import Specimen
+
+Stretch = tuple[float, float]
+
+MILESTONES = "prestretch"
+"""The dimension of a result along which it grows."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Milestone:
+    """What is kept of a milestone that is over.
+
+    Parameters
+    ----------
+    state : MilestoneState
+        What every solver tells.
+    own : Recorded or None
+        What this solver alone tells; None: it stands in the file of an earlier run.
+    reason : str
+        Why it was not reached, or an empty text.
+    """
+
+    state: MilestoneState
+    own: Recorded | None
+    reason: str = ""
+
+
+class Recorder:
+    """Keeps the milestones of a run, in memory and in a file.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        Whose milestones.
+    path : SpecimenPath
+        Its load path.
+    provenance : Provenance
+        What makes the result.
+    output : path-like or None
+        The file; None: memory alone.
+    earlier : Unfinished or None
+        An earlier run that this one goes on from.
+    """
+
+    def __init__(
+        self,
+        specimen: Specimen,
+        path: SpecimenPath,
+        provenance: Provenance,
+        output: str | Path | None = None,
+        earlier: Unfinished | None = None,
+    ) -> None:
+        self._specimen, self._path, self._provenance = specimen, path, provenance
+        self._output, self._earlier = output, earlier
+        self._milestones: list[_Milestone] = []
+        self._not_measured: list[str] = []
+        self._saved: Saved = {}
+        self._is_over = False
+        if earlier is not None:
+            self._milestones = [_Milestone(state, None) for state in earlier.states]
+            self._not_measured = list(earlier.not_measured)
+            self._saved = earlier.point.saved
+
+    @property
+    def tried(self) -> int:
+        """Number of milestones that are over, reached or given up."""
+        return len(self._milestones)
+
+    def __call__(self, step: LoadStep[Any, Equilibrium]) -> None:
+        """Keep a milestone that is reached, or the place where the path stopped."""
+        if not step.ends_target:
+            return
+        with signals_put_off():
+            self._milestones.append(self._collected(step))
+            if step.is_at_target:
+                self._saved = step.point.save()
+            self._is_over = step.index + 1 == step.count or not _goes_on(step.failure)
+            on_first_rank(self._path.comm, lambda: self._finish(step.target))
+
+    def result(self) -> xr.Dataset:
+        """Return the dataset of the milestones so far; on the first rank."""
+        states = [milestone.state for milestone in self._milestones]
+        own = self._path.variables([milestone.own for milestone in self._milestones])
+        result = build_result(
+            self._specimen,
+            self._path.mesh,
+            states,
+            self._provenance,
+            stop_reason="; ".join(self._reasons) if self._is_over else INTERRUPTED,
+            extra=own,
+        )
+        result.attrs["start"] = self._path.start
+        if self._not_measured:
+            result.attrs[NOT_MEASURED] = "; ".join(self._not_measured)
+        if self._earlier is None:
+            return result
+        result.attrs["history"] += f"; {len(self._earlier.states)} milestones by an earlier run"
+        return with_rows_of(self._earlier.result, result, len(self._earlier.states), own.data_vars)
+
+    def _collected(self, step: LoadStep[Any, Equilibrium]) -> _Milestone:
+        """Return what is kept of a milestone; on every rank."""
+        point = step.point
+        state = MilestoneState(
+            point.position,
+            converged=step.is_at_target,
+            reached=max(point.stretch),
+            energy=dict(point.energy),
+            iterations=step.effort.iterations,
+            load_steps=step.effort.load_steps,
+            residual=point.residual,
+            wall_time=step.wall_time,
+            unstable_modes=point.unstable_modes,
+        )
+        details = point.details() if step.is_at_target else None
+        return _Milestone(state, Recorded(step.effort, details), _reason(step))
+
+    def _finish(self, target: Stretch) -> None:
+        """Measure the last milestone and write the file; on the first rank."""
+        last = self._milestones[-1]
+        measures = self._measured(target, last.state)
+        state = replace(last.state, measures=measures)
+        self._milestones[-1] = replace(last, state=state)
+        if self._output is not None:
+            write_result(self.result(), self._output, self._resume_point())
+
+    def _measured(self, target: Stretch, state: MilestoneState) -> Measures:
+        """Return the measures of a shape; if they fail, NaN, and a word of it."""
+        if not state.converged:
+            return Measures.undefined()
+        try:
+            return measure(self._specimen, self._path.mesh, target, state.position)
+        except Exception as error:  # whatever it is, the shape is there and is kept
+            self._not_measured.append(f"{stretch_text(target)}: {_words(error)}")
+            return Measures.undefined()
+
+    @property
+    def _reasons(self) -> tuple[str, ...]:
+        """Why some milestones were not reached."""
+        earlier = () if self._earlier is None else self._earlier.point.reasons
+        return (*earlier, *(done.reason for done in self._milestones if done.reason))
+
+    def _resume_point(self) -> ResumePoint | None:
+        """Return where the run can be taken up, None if it is over."""
+        return None if self._is_over else ResumePoint(self.tried, self._reasons, self._saved)
+
+
+def with_rows_of(
+    earlier: xr.Dataset, result: xr.Dataset, count: int, names: Iterable[Hashable]
+) -> xr.Dataset:
+    """Return a result with the first rows of some variables taken from an earlier one.
+
+    Parameters
+    ----------
+    earlier : Dataset
+        Of the run that computed these milestones.
+    result : Dataset
+        Of the run that went on; not changed.
+    count : int
+        Number of rows.
+    names : iterable of str
+        The variables; those that have no row per milestone, or are new, stay as they are.
+    """
+    joined = result.copy()
+    for name in names:
+        variable = result[name]
+        if name in earlier and variable.dims[:1] == (MILESTONES,):
+            values = variable.values.copy()
+            values[:count] = earlier[name].values[:count]
+            joined[name] = (variable.dims, values, variable.attrs)
+    return joined
+
+
+def _goes_on(failure: Exception | None) -> bool:
+    """Whether the path goes on to the next milestone."""
+    return failure is None or isinstance(failure, TargetMissedError)
+
+
+def _reason(step: LoadStep[Any, Equilibrium]) -> str:
+    """Return why a milestone was not reached."""
+    if step.failure is None:
+        return ""
+    if isinstance(step.failure, TargetMissedError):
+        return str(step.failure)
+    return f"stopped at prestretch {max(step.point.stretch):.6g}: {_words(step.failure)}"
+
+
+def _words(error: Exception) -> str:
+    """Return an error in one line; its kind, too, if it is none of ours."""
+    text = " ".join(str(error).split())
+    own = type(error).__module__.split(".")[0] in ("bilayer", "dshell", "fenics_model")
+    return text if own else f"{type(error).__name__}: {text}".removesuffix(": ")

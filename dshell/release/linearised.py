@@ -1,0 +1,116 @@
+"""A shell's equations near an equilibrium: its factorised stiffness, and what they depend on.
+
+Derivatives by a parameter are central differences of forces and positions at the fixed state, with
+the specimen changed a little (`bilayer.solvers.parameters`): no iteration, so no noise.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.geometry.alignment import aligned_gradient
+from bilayer.mesh.planar import flat_surface
+from bilayer.solvers.parameters import central_difference
+from bilayer.specimen.specimen import Specimen
+from dshell.energies.assembly import Assembly, Energy, deform
+from dshell.models.interface import bonded_interface_gradient
+from dshell.release.specimen_shell import SpecimenShell, Stretch
+from dshell.solve.linear_solver import Factor, NotPositiveDefiniteError, best_linear_solver
+
+Array = NDArray[np.float64]
+
+SMALL_CHANGE = 1e-6
+"""Of the largest coordinate, for the change of the position with the state."""
+
+
+class LinearisedShell:
+    """See `bilayer.solvers.contract.Linearised`.
+
+    Parameters
+    ----------
+    shell : SpecimenShell
+        The specimen.
+    assembly : Assembly
+        Of its energies.
+    stretch : (float, float)
+        The prestretch.
+    state : (dofs,) array of float
+        The equilibrium, m.
+    """
+
+    def __init__(
+        self, shell: SpecimenShell, assembly: Assembly, stretch: Stretch, state: Array
+    ) -> None:
+        self._shell, self._stretch, self._state = shell, stretch, state
+        self._free = assembly.free
+        energies = shell.body(stretch).energies
+        self._factor = _factor_of(assembly, energies, state)
+
+    def solve(self, right_side: Array) -> Array:
+        """Return the solution of stiffness x = right side, m; 0 where the shell is held."""
+        solution = np.zeros_like(self._state)
+        solution[self._free] = self._factor.solve(np.ascontiguousarray(right_side[self._free]))
+        return solution
+
+    def residual_by(self, parameter: str) -> Array:
+        """Return the derivative of the residual force by a parameter, (dofs,)."""
+        return self._difference(
+            lambda shell, stretch: shell.forces(stretch, self._state), parameter
+        )
+
+    def position_by(self, parameter: str) -> Array:
+        """Return the derivative of the position by a parameter, the state fixed, (n, 3)."""
+        return self._difference(
+            lambda shell, stretch: shell.position(stretch, self._state), parameter
+        )
+
+    def state_gradient(self, position_gradient: Array) -> Array:
+        """Return the gradient by the state of a function of the position, (dofs,)."""
+        shell, stretch = self._shell, self._stretch
+        mesh, gradient = shell.mesh, position_gradient
+        if shell.specimen.gravity == 0:
+            flat = flat_surface(mesh)
+            shape = shell.interface(stretch, self._state)
+            gradient = aligned_gradient(shape, flat.points, flat.node_areas, gradient)
+        by_surface = bonded_interface_gradient(
+            shell.surface(self._state),
+            mesh.triangles,
+            mesh.areas,
+            shell.model.bond_height(stretch),
+            gradient,
+        )
+        by_state = np.zeros_like(self._state)
+        by_state[: by_surface.size] = by_surface.reshape(-1)
+        by_state[shell.held] = 0.0
+        return by_state
+
+    def position_change(self, state_change: Array) -> Array:
+        """Return how the position changes with the state, (n, 3), m: a central difference."""
+        length = np.abs(state_change).max()
+        if length == 0:
+            return np.zeros_like(self._shell.surface(self._state))
+        step = SMALL_CHANGE * np.abs(self._state).max() / length
+        ahead, behind = (
+            self._shell.position(self._stretch, self._state + sign * step * state_change)
+            for sign in (1.0, -1.0)
+        )
+        return np.asarray((ahead - behind) / (2 * step))
+
+    def _difference(
+        self, value: Callable[[SpecimenShell, Stretch], Array], parameter: str
+    ) -> Array:
+        def of(specimen: Specimen, stretch: Stretch) -> Array:
+            return value(self._shell.of(specimen), stretch)
+
+        return central_difference(of, self._shell.specimen, self._stretch, parameter)
+
+
+def _factor_of(assembly: Assembly, energies: Sequence[Energy], state: Array) -> Factor:
+    """Return a factor of the stiffness that no other solver takes away."""
+    stiffness = assembly.hessian(deform(energies, state))
+    linear_solver = best_linear_solver()
+    try:
+        return linear_solver.cholesky(stiffness)
+    except NotPositiveDefiniteError:
+        return linear_solver.factor(stiffness)

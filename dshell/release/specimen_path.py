@@ -1,0 +1,215 @@
+"""The load path of a specimen by the models `morley` and `hinge`, as the contract has it.
+
+See `bilayer.solvers.contract` for the contract, `dshell.release.static` and
+`dshell.release.dynamic` for how the path goes.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.measures.milestone import Measures, measure
+from bilayer.results.starting import FLAT
+from bilayer.solvers.contract import Recorded, Saved
+from dshell.release.effort import ShellEffort
+from dshell.release.linearised import LinearisedShell
+from dshell.release.specimen_shell import SpecimenShell, Stretch
+from dshell.release.static import ShellState, StaticPath
+from dshell.solve.newton import EquilibriumSolver
+
+Array = NDArray[np.float64]
+
+START_ITERATIONS = 50
+"""Of Newton's method from a shape that is given; one that needs more leads nowhere."""
+NOT_COUNTED = -1
+VERSIONS = {"scipy": scipy.__version__}
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """How a path begins.
+
+    Parameters
+    ----------
+    shape : (n, 3) array of float or None
+        The bonded interface that leads to the first target, m; None: the flat state does.
+    text : str
+        Where it comes from, in a line.
+    """
+
+    shape: Array | None
+    text: str
+
+
+Begin = Callable[[Stretch], Beginning]
+"""Returns how a path begins whose first target is a prestretch."""
+
+
+class ShellEquilibrium:
+    """A state of a specimen's shell on its path; see `bilayer.solvers.contract.Equilibrium`.
+
+    Parameters
+    ----------
+    shell : SpecimenShell
+        The specimen.
+    solver : EquilibriumSolver
+        Of the shell.
+    found : ShellState
+        The state.
+    start : str
+        How the path began, which is saved with the state.
+    """
+
+    def __init__(
+        self,
+        shell: SpecimenShell,
+        solver: EquilibriumSolver,
+        found: ShellState[Stretch],
+        start: str,
+    ) -> None:
+        self._shell, self._solver, self._found, self._start = shell, solver, found, start
+
+    @property
+    def share(self) -> float:
+        """Part of the way to the target."""
+        return self._found.share
+
+    @property
+    def effort(self) -> ShellEffort:
+        """The work since the state before."""
+        return self._found.effort
+
+    @property
+    def stretch(self) -> Stretch:
+        """Its prestretch."""
+        return self._found.load
+
+    @property
+    def state(self) -> Array:
+        """All degrees of freedom, m."""
+        return self._found.state
+
+    @cached_property
+    def position(self) -> Array:
+        """The bonded interface, m, shape (n, 3)."""
+        return self._shell.position(self.stretch, self.state)
+
+    @property
+    def energy(self) -> Mapping[str, float]:
+        """Energy terms, J."""
+        return self._shell.model.energy_terms(self.stretch, self.state)
+
+    @property
+    def residual(self) -> float:
+        """Norm of the residual force over that of the flat state."""
+        return self._found.residual
+
+    @cached_property
+    def unstable_modes(self) -> int:
+        """Number of unstable modes, counted now if nobody has."""
+        if self._found.unstable_modes is not None:
+            return self._found.unstable_modes
+        return self._solver.unstable_modes(self._shell.body(self.stretch), self.state)
+
+    def measures(self) -> Measures:
+        """Return the measures of the shape."""
+        return measure(self._shell.specimen, self._shell.mesh, self.stretch, self.position)
+
+    def details(self) -> None:
+        """Return None: this solver has no variables of its own."""
+
+    def save(self) -> Saved:
+        """Return the state, and how the path began."""
+        modes = self._found.unstable_modes
+        return {
+            "stretch": np.array(self.stretch),
+            "state": self.state,
+            "residual": np.array(self.residual),
+            "unstable_modes": np.array(NOT_COUNTED if modes is None else modes),
+            "start": np.array(self._start),
+        }
+
+    def linearised(self) -> LinearisedShell:
+        """Return the equations linearised here, the stiffness factorised."""
+        return LinearisedShell(self._shell, self._solver.assembly, self.stretch, self.state)
+
+
+class ShellPath:
+    """The load path of a specimen's shell; see `bilayer.solvers.contract.SpecimenPath`.
+
+    Parameters
+    ----------
+    shell : SpecimenShell
+        The specimen.
+    solver : EquilibriumSolver
+        Of the shell.
+    path : StaticPath
+        How it goes from prestretch to prestretch.
+    begin : callable
+        Takes the first target and returns the `Beginning`; called when the path is asked for it.
+    """
+
+    comm = None
+    versions = VERSIONS
+
+    def __init__(
+        self,
+        shell: SpecimenShell,
+        solver: EquilibriumSolver,
+        path: StaticPath[Stretch],
+        begin: Begin,
+    ) -> None:
+        self.mesh = shell.mesh
+        self._shell, self._solver, self._path = shell, solver, path
+        self._begin: Begin | None = begin
+        self.start = FLAT
+
+    def approach(self, target: Stretch) -> Iterator[ShellEquilibrium]:
+        """Go to a prestretch; see `Path`."""
+        if self._begin is not None:
+            beginning, self._begin = self._begin(target), None
+            self._begin_with(beginning, target)
+        for found in self._path.approach(target):
+            yield self._equilibrium(found)
+
+    def _begin_with(self, beginning: Beginning, target: Stretch) -> None:
+        """Go to the equilibrium near the first shape, or stay flat."""
+        self.start = beginning.text
+        if beginning.shape is None:
+            return
+        guess = self._shell.state_near(beginning.shape, target)
+        if not self._path.begin_near(guess, target, START_ITERATIONS):
+            self.start = f"{FLAT}, because what was to start it led nowhere: {self.start}"
+
+    def stopped(self) -> ShellEquilibrium:
+        """Return the last state; see `Path`."""
+        return self._equilibrium(self._path.stopped())
+
+    def _equilibrium(self, found: ShellState[Stretch]) -> ShellEquilibrium:
+        return ShellEquilibrium(self._shell, self._solver, found, self.start)
+
+    def restore(self, saved: Saved) -> None:
+        """Be in a state that was saved."""
+        x, y = saved["stretch"]
+        modes = int(saved["unstable_modes"])
+        self._path.move_to(
+            ShellState(
+                (float(x), float(y)),
+                np.asarray(saved["state"], dtype=np.float64),
+                float(saved["residual"]),
+                None if modes == NOT_COUNTED else modes,
+            )
+        )
+        self._begin, self.start = None, str(saved["start"])
+
+    def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
+        """Return an empty dataset: this solver has no variables of its own."""
+        return xr.Dataset()
+
+    def close(self) -> None:
+        """Free nothing: Python does."""

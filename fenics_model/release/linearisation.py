@@ -1,0 +1,84 @@
+"""The equations of the solid near an equilibrium: its factorised tangent, what a parameter does."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.solvers.parameters import central_difference, parameter_value
+from bilayer.specimen.specimen import Specimen
+from fenics_model.path.release_path import LoadPlace, Stretch
+from fenics_model.release.specimen_solid import BilayerSolid
+from fenics_model.solid.numbering import Numbering
+from fenics_model.solid.state import State
+from fenics_model.solve.newton import Newton
+
+Array = NDArray[np.float64]
+
+
+class SolidLinearisation:
+    """See `bilayer.solvers.contract.Linearised`; all vectors are those of `Numbering`.
+
+    The state is the displacement of a mesh that is drawn as thick as the layers naturally are, and
+    the interface stays where it is drawn: so no parameter moves it while the state is fixed.
+
+    Parameters
+    ----------
+    body : BilayerSolid
+        The solid and its specimen.
+    newton : Newton
+        Solves.
+    numbering : Numbering
+        Of the dofs.
+    state : State
+        The equilibrium.
+    place : LoadPlace
+        Its loads.
+    """
+
+    def __init__(
+        self,
+        body: BilayerSolid,
+        newton: Newton,
+        numbering: Numbering,
+        state: State,
+        place: LoadPlace,
+    ) -> None:
+        self._body, self._newton, self._numbering = body, newton, numbering
+        self._state, self._place = state, place
+        self._factors = newton.factorise(state)
+
+    def solve(self, right_side: Array) -> Array:
+        """Return the solution of tangent x = right side."""
+        held = self._newton.held_dofs
+        side = self._numbering.spread(right_side)
+        side[held] = 0.0
+        return self._numbering.gather(self._factors.solve(side))
+
+    def residual_by(self, parameter: str) -> Array:
+        """Return the derivative of the residual by a parameter, the state fixed."""
+        return central_difference(
+            self._residual, self._body.specimen, self._place.stretch, parameter
+        )
+
+    def _residual(self, specimen: Specimen, stretch: Stretch) -> Array:
+        place = LoadPlace(stretch, self._place.weight, self._place.imperfection)
+        with self._body.made_of(specimen, place):
+            return self._numbering.gather(self._newton.residual(self._state))
+
+    def position_by(self, parameter: str) -> Array:
+        """Return the derivative of the interface by a parameter, the state fixed: zero."""
+        parameter_value(self._body.specimen, self._place.stretch, parameter)  # it has to be one
+        return np.zeros((len(self._body.mesh.points), 3))
+
+    def state_gradient(self, position_gradient: Array) -> Array:
+        """Return the gradient by the state of a function of the interface's position."""
+        gradient = np.zeros(self._numbering.size)
+        gradient[self._interface] = position_gradient
+        return gradient
+
+    def position_change(self, state_change: Array) -> Array:
+        """Return how the interface moves with the state, (n, 3), m."""
+        return np.asarray(state_change[self._interface])
+
+    @property
+    def _interface(self) -> NDArray[np.int64]:
+        return self._numbering.displacements_at(self._body.solid.mesh.volume.reference_surface)

@@ -1,0 +1,336 @@
+"""The load path of a specimen's solid: what it is made of, its equilibria, how it is kept."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import basix
+import dolfinx
+import numpy as np
+import xarray as xr
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from bilayer.geometry.alignment import placed
+from bilayer.measures.milestone import Measures, measure
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.start_shapes import StartShapes
+from bilayer.solvers.contract import Linearised, Recorded, Saved
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.support import support
+from fenics_model.branches.branch_search import BranchSearch, Departure, SearchRule
+from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
+from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
+from fenics_model.path.guide import Guide
+from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath, Stretch
+from fenics_model.path.shell_start import Extrusion, settle
+from fenics_model.path.step_control import StepControl
+from fenics_model.release.branch_fields import branch_dataset
+from fenics_model.release.effort_fields import effort_dataset
+from fenics_model.release.linearisation import SolidLinearisation
+from fenics_model.release.saved_path import SavedPath
+from fenics_model.release.specimen_solid import (
+    bilayer_solid,
+    held_points,
+    uneven_lift,
+)
+from fenics_model.release.volume_fields import volume_dataset
+from fenics_model.settings import SolidSettings
+from fenics_model.solid.numbering import Numbering
+from fenics_model.solve.effort import Effort
+from fenics_model.solve.newton import Newton
+from fenics_model.solve.stopwatch import Stopwatch
+
+Array = NDArray[np.float64]
+
+REFERENCE_STRETCH = (1.001, 1.001)
+"""Tolerances are relative to what is to be balanced, at least to this prestretch."""
+
+FIRST_DISTANCE = 0.1
+"""Of the walk off an unstable milestone, over the substrate's thickness."""
+
+
+@dataclass(frozen=True, eq=False)
+class MilestoneDetails:
+    """What the solver's own variables tell of a milestone.
+
+    Parameters
+    ----------
+    vertices : (v, 3) array of float
+        Deformed vertices of the volume mesh, m.
+    departure : Departure or None
+        How an unstable equilibrium was left, without its state.
+    """
+
+    vertices: Array
+    departure: Departure | None
+
+
+class SolidEquilibrium:
+    """An equilibrium of the solid; see `bilayer.solvers.contract.Equilibrium`.
+
+    Parameters
+    ----------
+    path : SolidPath
+        On which it is.
+    point : LoadPoint
+        Where, and its state.
+    """
+
+    def __init__(self, path: "SolidPath", point: LoadPoint) -> None:
+        self._path, self._body, self._point = path, path.body, point
+        self.place = path.loads.place(point.parameter)
+
+    @property
+    def share(self) -> float:
+        """Part of the way to the target."""
+        return self._point.share
+
+    @property
+    def effort(self) -> Effort:
+        """The work since the equilibrium before."""
+        return self._point.effort
+
+    @property
+    def stretch(self) -> Stretch:
+        """(lambda_x, lambda_y)."""
+        return self.place.stretch
+
+    @property
+    def residual(self) -> float:
+        """Norm of the residual over that of the undeformed mesh; NaN where the path stopped."""
+        return self._point.residual
+
+    @property
+    def unstable_modes(self) -> int:
+        """Number of unstable modes of a target; -1 on the way."""
+        return self._point.unstable_modes
+
+    @cached_property
+    def vertices(self) -> Array:
+        """Deformed vertices of the volume mesh, m, (v, 3)."""
+        return self._body.solid.vertex_positions(self._point.state)
+
+    @property
+    def position(self) -> Array:
+        """The interface on the nodes of the planar mesh, m, (n, 3)."""
+        return self.vertices[self._body.solid.mesh.volume.reference_surface]
+
+    @property
+    def energy(self) -> Mapping[str, float]:
+        """Strain energy of each layer, J."""
+        return {
+            name: self._body.solid.layer_energy(layer, self._point.state)
+            for layer, name in enumerate(self._body.layer_names)
+        }
+
+    def measures(self) -> Measures:
+        """Return the measures of the shape."""
+        return measure(self._body.specimen, self._body.mesh, self.stretch, self.position)
+
+    def details(self) -> MilestoneDetails:
+        """Return what `SolidPath.variables` needs of it."""
+        departure = self._point.departure
+        if departure is not None:
+            departure = replace(departure, equilibrium=None)
+        return MilestoneDetails(self.vertices, departure)
+
+    def save(self) -> Saved:
+        """Return all that the path needs to go on from here."""
+        return self._path.save()
+
+    def linearised(self) -> Linearised:
+        """Return the equations linearised here."""
+        return self._path.linearise(self._point)
+
+
+class SolidPath:
+    """Follows the solid of a specimen; see `bilayer.solvers.contract.SpecimenPath`.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        Which is released.
+    mesh : PlanarMesh
+        The planar mesh, the same on every rank.
+    settings : SolidSettings
+        Steps and tolerances.
+    comm : MPI.Comm
+        The ranks.
+    shapes : StartShapes or None
+        Of another result, which lead the way.
+    start : str
+        What they are, in a line.
+    """
+
+    def __init__(
+        self,
+        specimen: Specimen,
+        mesh: PlanarMesh,
+        settings: SolidSettings,
+        comm: MPI.Comm,
+        shapes: StartShapes | None,
+        start: str,
+    ) -> None:
+        self.body = bilayer_solid(specimen, mesh, settings, comm)
+        self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
+        self.mesh, self.comm = mesh, comm
+        self._shapes, self._start = shapes, start
+        self._nodes = support(mesh.points, specimen.gravity, mesh.centroid)
+        with ExitStack() as stack:
+            self._newton = stack.enter_context(self._make_newton())
+            self._guide = self._make_guide()
+            self._continuation = self._make_continuation()
+            self._resources = stack.pop_all()
+
+    def _make_newton(self) -> Newton:
+        solid, settings = self.body.solid, self.body.settings
+        points = held_points(self._nodes, solid.mesh.volume)
+        return Newton(
+            solid,
+            [*solid.absent_pressures(), *solid.held_points(points)],
+            iteration_limit=settings.iteration_limit,
+            options=settings.petsc_options,
+            stopwatch=Stopwatch(),
+        )
+
+    def _make_guide(self) -> Guide:
+        solid = self.body.solid
+        relax = partial(
+            settle,
+            solid,
+            solid.absent_pressures(),
+            options=self.body.settings.petsc_options,
+            stopwatch=self._newton.stopwatch,
+        )
+        return Guide(self._newton, Extrusion(solid, self.mesh).extrude, relax)
+
+    def _make_continuation(self) -> Continuation:
+        settings = self.body.settings
+        self.body.prestretch(self.body.specimen, REFERENCE_STRETCH)
+        least = self._newton.residual_norm(self.body.solid.undeformed)
+        return Continuation(
+            self._newton,
+            self._make_search(),
+            self._load,
+            StepControl(
+                settings.first_step,
+                settings.smallest_step,
+                settings.largest_step,
+                settings.target_iterations,
+            ),
+            Tolerances(settings.tolerance, settings.path_tolerance, least),
+            guide=self._guide,
+        )
+
+    def _make_search(self) -> BranchSearch:
+        specimen, settings = self.body.specimen, self.body.settings
+        radius, substrate = specimen.characteristic_length, specimen.carrier
+        flow = GradientFlow(
+            self._newton,
+            first_viscosity=substrate.material.shear_modulus * substrate.thickness / radius**3,
+            rule=FlowRule(step_limit=settings.flow_steps),
+        )
+        return BranchSearch(
+            self._newton,
+            flow,
+            first_distance=FIRST_DISTANCE * substrate.thickness,
+            side=uneven_lift(self.body),
+            rule=SearchRule(choice=settings.branch),
+        )
+
+    def _load(self, parameter: float) -> None:
+        self.body.load(self.loads.place(parameter))
+
+    def close(self) -> None:
+        """Free what PETSc holds."""
+        self._resources.close()
+
+    @property
+    def start(self) -> str:
+        """What led the way, and the shapes that load steps had to go on without."""
+        left = [
+            f"not followed to {max(self.loads.stretch(parameter)):.6g} ({reason}): load steps"
+            for parameter, reason in self._guide.left
+        ]
+        return "; ".join([self._start, *left])
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Versions of what computes."""
+        return {
+            "dolfinx": dolfinx.__version__,
+            "basix": basix.__version__,
+            "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
+        }
+
+    def approach(self, target: Stretch) -> Iterator[SolidEquilibrium]:
+        """Go to a prestretch; see `bilayer.solvers.contract.Path`."""
+        here = self._continuation.parameter
+        if here < self.loads.end:
+            self.loads.leave_at(here)
+        begin, goal = self.loads.last, self.loads.add_target(target)
+        shapes = self._shapes_between(begin, target, goal)
+        if self.loads.turns_back:  # over its own equilibria, which lead better
+            self._continuation.predictor.turn_back()
+            shapes = {}
+        self._guide.lead_along(shapes)
+        for point in self._continuation.approach(goal):
+            yield SolidEquilibrium(self, point)
+
+    def _shapes_between(self, begin: Stretch, target: Stretch, goal: float) -> dict[float, Array]:
+        """Return the start's shapes on the way to a target, by path parameter, held as it is."""
+        if self._shapes is None:
+            return {}
+        found = self._shapes.take_shapes(begin, target)
+        if not found and len(self.loads.milestones) == 1:
+            found = [self._shapes.take_nearest(target)]
+        return {
+            goal - shape.remaining: placed(shape.shape, self.mesh.points, self._nodes)
+            for shape in found
+        }
+
+    def stopped(self) -> SolidEquilibrium:
+        """Return the last equilibrium, with the work done in vain since."""
+        return SolidEquilibrium(self, self._continuation.stopped())
+
+    def linearise(self, point: LoadPoint) -> SolidLinearisation:
+        """Return the equations linearised at a point of the path, until it goes on."""
+        place = self.loads.place(point.parameter)
+        return SolidLinearisation(self.body, self._newton, self.numbering, point.state, place)
+
+    @cached_property
+    def numbering(self) -> Numbering:
+        """Of all dofs, whatever the number of ranks."""
+        return Numbering(self.body.solid)
+
+    def save(self) -> Saved:
+        """Return where the path is, the same on every rank."""
+        return SavedPath.of(
+            self._continuation, self._guide, self.loads, self._shapes, self._start
+        ).as_arrays(self.numbering)
+
+    def restore(self, saved: Saved) -> None:
+        """Be where the path was saved; it is new."""
+        known = SavedPath.from_arrays(saved, self.numbering)
+        for target in known.targets:
+            self.loads.add_target(target)
+        known.restore(self._continuation, self._guide)
+        self._shapes, self._start = known.shapes, known.start
+        self._load(self._continuation.parameter)
+
+    def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
+        """Return the volume mesh, the work and the branches by milestone; on the first rank."""
+        count = len(self.body.specimen.prestretch.milestones)
+        details = [None if tried is None else tried.details for tried in milestones]
+        volume = volume_dataset(
+            self.body.solid.mesh.volume,
+            self.body.layer_names,
+            [None if found is None else found.vertices for found in details],
+            count,
+        )
+        efforts = [None if tried is None else tried.effort for tried in milestones]
+        departures = [None if found is None else found.departure for found in details]
+        return volume.merge(effort_dataset(efforts, count)).merge(branch_dataset(departures, count))

@@ -1,0 +1,89 @@
+"""Dofs in an order that does not depend on how the mesh is distributed.
+
+A vector of all dofs has the displacements of the vertices, vertex by vertex in their original
+order, then those of the middles of the edges, sorted by their ends' original numbers, then the
+unscaled pressures of the vertices, layer by layer.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_model.mesh.layered_mesh import EDGES
+from fenics_model.solid.solid import Solid
+
+Array = NDArray[np.float64]
+
+
+class Numbering:
+    """The way between the dofs of a rank and those of the whole solid.
+
+    Parameters
+    ----------
+    solid : Solid
+        Whose dofs.
+    """
+
+    def __init__(self, solid: Solid) -> None:
+        self._solid = solid
+        self._vertices = len(solid.mesh.volume.points)
+        self._number = self._number_dofs()
+
+    @cached_property
+    def _edges(self) -> NDArray[np.int64]:
+        """Key of every edge of the mesh, ascending."""
+        return np.unique(self._keys(self._solid.mesh.volume.cells[:, EDGES]))
+
+    def _keys(self, ends: NDArray[np.int64]) -> NDArray[np.int64]:
+        ends = np.sort(ends, axis=-1)
+        return ends[..., 0] * self._vertices + ends[..., 1]
+
+    @property
+    def size(self) -> int:
+        """Number of all dofs."""
+        layers = len(self._solid.layers)
+        return 3 * (self._vertices + len(self._edges)) + layers * self._vertices
+
+    def _number_dofs(self) -> NDArray[np.int64]:
+        """Return the number among all dofs of each dof of this rank, ghosts included."""
+        solid, corners = self._solid, self._solid.mesh.cell_vertices
+        middles = self._vertices + np.searchsorted(self._edges, self._keys(corners[:, EDGES]))
+        places = np.hstack([corners, middles])
+        number = np.full(len(solid.unknown.x.array), -1)
+        for axis in range(3):
+            number[solid.component(axis).dofmap.list] = 3 * places + axis
+        first = 3 * (self._vertices + len(self._edges))
+        for layer in range(len(solid.layers)):
+            dofs = solid.pressure_space(layer).dofmap.list
+            number[dofs] = first + layer * self._vertices + corners
+        return number
+
+    def gather(self, values: Array) -> Array:
+        """Return all dofs, the same on every rank.
+
+        Parameters
+        ----------
+        values : array of float
+            Dofs of this rank, ghosts included.
+        """
+        owned = slice(0, self._owned)
+        gathered = np.empty(self.size)
+        for numbers, found in self._solid.mesh.mesh.comm.allgather(
+            (self._number[owned], values[owned])
+        ):
+            gathered[numbers] = found
+        return gathered
+
+    def spread(self, gathered: Array) -> Array:
+        """Return the dofs of this rank, ghosts included, of all dofs."""
+        return np.asarray(gathered)[self._number]
+
+    @property
+    def _owned(self) -> int:
+        dofs = self._solid.space.dofmap
+        return int(dofs.index_map.size_local * dofs.index_map_bs)
+
+    def displacements_at(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the numbers of the displacement dofs of vertices, (m, 3)."""
+        return 3 * np.asarray(vertices)[:, None] + np.arange(3)
