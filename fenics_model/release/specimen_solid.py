@@ -223,7 +223,7 @@ def set_law(energy: StrainEnergy, layer: Layer) -> None:
     """Give an energy made by `strain_energy` the constants of a layer's law."""
     _, values = energy_constants(layer.material)
     for name, value in values.items():
-        getattr(energy, name).value = value
+        energy.symbols[name].value = value
 
 
 def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:
