@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.layer_fields import layer_variables
+from bilayer.results.layer_variables import body_name, layer_variables, surface_name
 from bilayer.results.schema import FORMAT, SCHEMA_VERSION, MilestoneState
 from bilayer.runtime.version import git_commit, own_versions
 from bilayer.specimen.settings import settings_to_toml
@@ -105,21 +105,18 @@ def build_result(
         for stretch, state in zip(milestones, states, strict=False)
     ]
     rows = [*known, *[waiting] * (len(milestones) - len(states))]
-    kind, surface = "sheet", str(specimen.reference_surface)
-    if len(specimen.layers) == 2:
-        kind, surface = "bilayer", "bonded interface"
     result = xr.Dataset(
         {
-            **_planar_variables(mesh, surface),
+            **_planar_variables(specimen, mesh),
             **layer_variables(specimen, mesh),
-            **_position_variables(rows, surface),
+            **_position_variables(surface_name(specimen), rows),
             **_measure_variables(rows),
             **_count_variables(rows),
         },
         coords=_coordinates(specimen),
         attrs={
             "Conventions": "CF-1.11 UGRID-1.0",
-            "title": f"Released shape of the {kind} {specimen.name!r}",
+            "title": f"Released shape of the {body_name(specimen)} {specimen.name!r}",
             "history": f"computed by {provenance.solver}, model {provenance.model}",
             "format": FORMAT,
             "schema_version": SCHEMA_VERSION,
@@ -170,7 +167,8 @@ def _coordinates(specimen: Specimen) -> dict[str, Any]:
     }
 
 
-def _planar_variables(mesh: PlanarMesh, surface: str) -> dict[str, Any]:
+def _planar_variables(specimen: Specimen, mesh: PlanarMesh) -> dict[str, Any]:
+    surface = surface_name(specimen)
     flat = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     return {
         "midsurface": (
@@ -195,7 +193,7 @@ def _planar_variables(mesh: PlanarMesh, surface: str) -> dict[str, Any]:
     }
 
 
-def _position_variables(rows: Sequence[MilestoneState], surface: str) -> dict[str, Any]:
+def _position_variables(surface: str, rows: Sequence[MilestoneState]) -> dict[str, Any]:
     dims = ("prestretch", "node", "xyz")
     on_nodes = {"mesh": "midsurface", "location": "node"}
     nowhere = np.full_like(rows[0].position, np.nan)

@@ -10,7 +10,7 @@ from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
-from bilayer.specimen.pattern import CutPattern, Pattern
+from bilayer.specimen.layer import BondedLayer, Response
 from bilayer.specimen.specimen import Specimen
 
 
@@ -43,11 +43,9 @@ def provenance(result: xr.Dataset) -> str:
     result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
-    cuts = [layer.pattern for layer in specimen.layers if layer.pattern is not None]
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: radius {1e3 * specimen.characteristic_length:g} mm, "
-        + ("uncut" if not cuts else _cut(cuts[0])),
+        f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
         *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -135,11 +133,15 @@ def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
 
 
-def _cut(cut: Pattern) -> str:
-    if not isinstance(cut, CutPattern):
-        return cut.identity
-    inner = 1e3 * cut.inner_radius
-    return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
+def _cuts(specimen: Specimen) -> str:
+    """Say which patterns there are, each with its layers if there is more than one."""
+    layers: dict[str, list[str]] = {}
+    for layer in specimen.layers:
+        if layer.pattern is not None:
+            layers.setdefault(layer.pattern.words, []).append(layer.name)
+    if len(layers) < 2:
+        return next(iter(layers), "uncut")
+    return "; ".join(f"{' and '.join(names)}: {words}" for words, names in layers.items())
 
 
 def _layers(specimen: Specimen) -> list[str]:
@@ -148,10 +150,26 @@ def _layers(specimen: Specimen) -> list[str]:
     for part in specimen.bonded_layers((1.0, 1.0)):
         material = part.layer.material
         line = (
-            f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
+            f"{part.name + ' ':<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
             f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
         )
         if part.layer.is_stretched:
-            line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
-        lines.append(f"{line}, {'above' if part.is_above else 'below'}")
+            line += f", stretched{_response(part.layer.response)}"
+            line += f", bonded thickness {specimen.prestretch.thickness}"
+        lines.append(f"{line}, {_place(part)}")
     return lines
+
+
+def _place(part: BondedLayer) -> str:
+    """Say where a layer lies, seen from the reference surface."""
+    if part.is_above:
+        return "above"
+    return "below" if part.top <= 0 else "in the middle"
+
+
+def _response(response: Response) -> str:
+    """Say how a layer is stretched if it is not as the path has it."""
+    words = "" if response.kind == "path" else " by {:g} and {:g}".format(*response.stretch)
+    if response.factor != 1:
+        words += f" {response.factor:g} times as much"
+    return words + (f" at {response.angle:g} rad" if response.angle else "")

@@ -1,8 +1,7 @@
 """The schema of a result: one xarray dataset for all solvers, and nothing else between them.
 
 Dimensions `prestretch` (the milestones, in the order in which the path took them: a value may come
-again), `node`, `face`, `xyz`, `layer_name`. `position` is the surface that the attribute
-`reference_surface` names (in older files the bond), on the nodes of the planar mesh.
+again), `node`, `face`, `xyz`. `position` is the reference surface on the nodes of the planar mesh.
 Milestones that were not reached are NaN with `converged` = 0; the attribute `stop_reason` says why,
 and `last_position` holds the last shape computed on the way to each, at the prestretch
 `last_prestretch`.
@@ -18,7 +17,6 @@ from numpy.typing import NDArray
 
 from bilayer.measures.milestone import Measures
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.layer_fields import layer_sets_of
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import parse_specimen
 
@@ -94,5 +92,5 @@ def result_mesh(result: xr.Dataset) -> PlanarMesh:
         result["reference_position"].values[:, :2],
         result["face_nodes"].values,
         result["region"].values,
-        layer_sets_of(result),
+        result_specimen(result).layer_sets,
     )

@@ -23,6 +23,7 @@ from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import StrainEnergy, stress
 from fenics_model.solid.tangent import ExtrapolatedTangent
+from fenics_model.solid.unknown import Unknown
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Solid:
     ----------
     space : dolfinx.fem.FunctionSpace
         Of displacement and pressures.
-    unknown : dolfinx.fem.Function
+    unknown : Unknown
         The state at which the forms are evaluated.
     residual : dolfinx.fem.Form
         First derivative of the potential energy.
@@ -92,7 +93,7 @@ class Solid:
         self.space = fem.functionspace(
             mesh.mesh, basix.ufl.mixed_element([quadratic, *[linear] * len(layers)])
         )
-        self.unknown = fem.Function(self.space)
+        self.unknown = Unknown(self.space)
         self.dx = ufl.Measure(
             "dx", mesh.mesh, subdomain_data=mesh.layer_tags,
             metadata={"quadrature_degree": quadrature_degree},
@@ -163,6 +164,7 @@ class Solid:
         function.sub(0).interpolate(displacement)
         for layer, pressure in enumerate(pressures):
             function.sub(1 + layer).interpolate(pressure)
+        function.x.scatter_forward()
         return State(function.x.array)
 
     def function_of(self, state: State) -> fem.Function:

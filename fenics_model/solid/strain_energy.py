@@ -17,6 +17,7 @@ from typing import Any, Protocol
 import ufl
 
 from bilayer.specimen.materials import Hyperelastic, Law, LinearElastic
+from fenics_model.solid.unknown import freeze
 
 
 class StrainEnergy(Protocol):
@@ -55,11 +56,23 @@ class UFLFunctions:
         return ufl.exp(x)
 
 
+_FUNCTIONS = UFLFunctions()
+
+
 @dataclass(frozen=True)
 class HyperelasticEnergy:
     """W = w(I1, I2) + p (J - 1) - p^2 D1 / 4, w the law's own energy of the isochoric invariants.
 
     The convention of Abaqus, whose U = (J - 1)^2 / D1 is regained by p = 2 (J - 1) / D1.
+
+    UFL differentiates w if it is linear in the invariants, as Mooney-Rivlin's. Of any other w it
+    differentiates the expansion to the second order about the present invariants,
+
+        w + w_1 (I1 - present) + w_2 (I2 - present) + w_11 (I1 - present)^2 / 2 + ...,
+
+    which has the value and the first two derivatives of w, and of which w and its derivatives are
+    numbers: compiling a long w, such as Ogden's, takes a third of the time. The third derivative is
+    another; nothing here needs it.
 
     Parameters
     ----------
@@ -75,9 +88,22 @@ class HyperelasticEnergy:
         B, Je = G * G, J * ufl.det(G)
         I1, I2 = ufl.inner(C, B), ufl.inner(ufl.cofac(C), ufl.cofac(B))  # of Ce = G C G
         k = ufl.exp(-2 / 3 * ufl.ln(Je))
-        isochoric = self.law.energy(k * I1, k * k * I2, UFLFunctions())
+        isochoric = self._isochoric(k * I1, k * k * I2)
         volumetric = pressure * (Je - 1) - pressure**2 * self.law.d1 / 4
         return (isochoric + volumetric) / ufl.det(G)
+
+    def _isochoric(self, I1: Any, I2: Any) -> Any:
+        present = freeze(I1), freeze(I2)
+        w = self.law.slopes(*present, _FUNCTIONS)
+        if w.is_linear:
+            return self.law.energy(I1, I2, _FUNCTIONS)
+        change = I1 - present[0], I2 - present[1]
+        return w.value + w.first_along(change) + w.second_along(change, change) / 2
+
+    @property
+    def symbols(self) -> dict[str, Any]:
+        """What stands for the constants of the law."""
+        return self.law.numbers()
 
 
 @dataclass(frozen=True)

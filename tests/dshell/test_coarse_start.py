@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sheets import CORNER, CUT_SHEETS, R, pile_of, sheet_of
+from released_sheets import CORNER, CUT_SHEETS, R, pile_of, sheet_of
 
 from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.errors import ComputationError

@@ -13,13 +13,13 @@ from collections.abc import Mapping
 from copy import copy
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from bilayer.errors import InputError
 from bilayer.specimen.materials.jet import Jet, JetFunctions
 from bilayer.specimen.materials.law import Functions, Stretches
 from bilayer.specimen.materials.moduli import plain_number, shear_and_bulk
 from bilayer.validation import not_negative
-
-_JET_FUNCTIONS = JetFunctions()
 
 
 class Hyperelastic(ABC):
@@ -81,9 +81,9 @@ class Hyperelastic(ABC):
             `log`, `sqrt` and `exp` for the kind of number that I1 and I2 are.
         """
 
-    def slopes(self, I1: Any, I2: Any) -> Jet:
-        """Return w with its first and second derivatives by I1 and I2, Pa."""
-        expanded = self.energy(*Jet.variables(I1, I2), _JET_FUNCTIONS)
+    def slopes(self, I1: Any, I2: Any, functions: Any = np) -> Jet:
+        """Return w with its first and second derivatives by I1 and I2, Pa; see `energy`."""
+        expanded = self.energy(*Jet.variables(I1, I2), JetFunctions(functions))
         return expanded if isinstance(expanded, Jet) else Jet(expanded)
 
     def numbers(self) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Union
 
-import numpy as np
+from bilayer.specimen.materials.law import Functions
 
 Operand = Union["Jet", Any]
 Second = tuple[Any, Any, Any]
@@ -100,19 +100,24 @@ class Jet:
         """Whether the second derivatives vanish identically."""
         return all(map(_vanishes, self.second))
 
+    def first_along(self, u: Sequence[Any]) -> Any:
+        """Return the derivative along a direction, given by its parts along x and y."""
+        return _sum(_product(self.first[0], u[0]), _product(self.first[1], u[1]))
+
     def second_along(self, u: Sequence[Any], v: Sequence[Any]) -> Any:
         """Return the second derivative along two directions, each its parts along x and y."""
         xx, xy, yy = self.second
-        total = 0.0 if _vanishes(xx) else xx * u[0] * v[0]
+        total = _product(_product(xx, u[0]), v[0])
         if not _vanishes(xy):
-            total = total + xy * (u[0] * v[1] + u[1] * v[0])
-        return total if _vanishes(yy) else total + yy * u[1] * v[1]
+            crossed = _sum(_product(u[0], v[1]), _product(u[1], v[0]))
+            total = _sum(total, _product(xy, crossed))
+        return _sum(total, _product(_product(yy, u[1]), v[1]))
 
     def reciprocal(self) -> "Jet":
         """Return 1 over the jet."""
         inverse = 1 / self.value
         square = inverse * inverse
-        return self.composed(inverse, -square, 2 * square * inverse)
+        return self.composed(inverse, -1 * square, 2 * square * inverse)
 
     def composed(self, value: Any, slope: Any, bend: Any) -> "Jet":
         """Return a function of the jet, given its value and its two derivatives there."""
@@ -127,23 +132,48 @@ class Jet:
             ],
         )
 
+    @staticmethod
+    def composed_of(function: "Jet", arguments: tuple["Jet", "Jet"]) -> "Jet":
+        """Return a function of two jets, given as a jet of its values and derivatives by them."""
+        a, b = arguments
+        along_x, along_y = zip(a.first, b.first, strict=True)
+        pairs = ((along_x, along_x), (along_x, along_y), (along_y, along_y))
+        own = zip(a.second, b.second, strict=True)
+        return Jet(
+            function.value,
+            (function.first_along(along_x), function.first_along(along_y)),
+            [
+                _sum(function.second_along(u, v), function.first_along(bends))
+                for (u, v), bends in zip(pairs, own, strict=True)
+            ],
+        )
 
+
+@dataclass(frozen=True)
 class JetFunctions:
-    """`Functions` of jets."""
+    """`Functions` of jets.
+
+    Parameters
+    ----------
+    of_values : Functions
+        Those of the jets' values.
+    """
+
+    of_values: Functions
 
     def log(self, x: Jet, /) -> Jet:
         """Return the natural logarithm."""
         inverse = 1 / x.value
-        return x.composed(np.log(x.value), inverse, -inverse * inverse)
+        return x.composed(self.of_values.log(x.value), inverse, -1 * inverse * inverse)
 
     def sqrt(self, x: Jet, /) -> Jet:
         """Return the square root."""
-        root = np.sqrt(x.value)
+        root = self.of_values.sqrt(x.value)
         return x.composed(root, 0.5 / root, -0.25 / (root * x.value))
 
     def exp(self, x: Jet, /) -> Jet:
         """Return the exponential."""
-        value = np.exp(x.value)
+        value = self.of_values.exp(x.value)
         return x.composed(value, value, value)
 
 

@@ -68,8 +68,9 @@ class Ogden(Hyperelastic):
         """See `Hyperelastic`."""
         total = 0.0
         for k, exponent in enumerate(self.alpha):
-            sum_less_3 = power_sum(exponent, I1, I2) - 3
-            total = total + 2 / exponent**2 * self.mu[k] * sum_less_3
+            at_rest = power_sum(exponent, 3.0, 3.0)  # 3 but for the error of partial fractions
+            change = power_sum(exponent, I1, I2) - at_rest
+            total = total + 2 / exponent**2 * self.mu[k] * change
         return total
 
 

@@ -21,6 +21,7 @@ weights are those of least squares, accurate to better than `ACCURACY` for stret
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -29,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
+from bilayer.specimen.materials.jet import Jet
 
 Array = NDArray[np.float64]
 
@@ -37,6 +39,8 @@ ACCURACY = 1e-12
 """Relative error of a power in that range."""
 _POLES = np.geomspace(1 / 2000, 2000, 24)  # they reach 20 times as far as the squared stretches
 _SAMPLES = 400
+_POWERS = [range(3), range(1, 5), range(2, 7)]
+"""Of t in the sums that a moment, its first and its second derivatives consist of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,12 +116,50 @@ def power_sum(exponent: float, I1: Any, I2: Any) -> Any:
     if s == m:
         return sums[m]
     fractions = partial_fractions(s - m)
-    linear = I2 * sums[m - 1] - sums[m - 2]
-    total = fractions.constant * sums[m] + fractions.inverse * sums[m - 1]
+    zeroth, first, second = _moments_of(fractions, I1, I2)
+    return (
+        (second + fractions.constant) * sums[m]
+        + first * (I2 * sums[m - 1] - sums[m - 2])
+        + (zeroth + fractions.inverse) * sums[m - 1]
+    )
+
+
+def _moments_of(fractions: PartialFractions, I1: Any, I2: Any) -> list[Any]:
+    """Return sum_k w_k t_k^n / P(t_k) for n = 0, 1, 2.
+
+    P is linear in I1 and I2, so the derivatives of such sums are sums of the same kind, with higher
+    powers of t and of 1 / P. Jets are made of them, which spares a jet for each fraction.
+    """
+    if not isinstance(I1, Jet):
+        (values,) = _moments(fractions, I1, I2, [range(3)])
+        return [values[n] for n in range(3)]
+    values, first, second = _moments(fractions, I1.value, I2.value, _POWERS)
+    return [
+        Jet.composed_of(
+            Jet(
+                values[n],
+                (-1 * first[n + 2], -1 * first[n + 1]),
+                (2 * second[n + 4], 2 * second[n + 3], 2 * second[n + 2]),
+            ),
+            (I1, I2),
+        )
+        for n in range(3)
+    ]
+
+
+def _moments(
+    fractions: PartialFractions, I1: Any, I2: Any, powers: Sequence[range]
+) -> list[dict[int, Any]]:
+    """Return sum_k w_k t_k^n / P(t_k)^i, i = 1, 2, ..., by n of the powers wanted of each i."""
+    sums = [dict.fromkeys(wanted, 0.0) for wanted in powers]
     for weight, t in zip(map(float, fractions.weights), map(float, _POLES), strict=True):
-        numerator = t * t * sums[m] + t * linear + sums[m - 1]
-        total = total + weight * numerator / (t * t * I1 + t * I2 + (t**3 + 1))
-    return total
+        per_P = 1 / (t * t * I1 + t * I2 + (t**3 + 1))
+        inverse = 1.0
+        for moments in sums:
+            inverse = inverse * per_P
+            for n in moments:
+                moments[n] = moments[n] + weight * t**n * inverse
+    return sums
 
 
 def _whole_power_sums(m: int, I1: Any, I2: Any) -> dict[int, Any]:

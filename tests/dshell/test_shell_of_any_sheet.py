@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from released_sheets import CORNER, CUT_SHEETS, SOFT, STIFF, R, pile_of, sheet_of
 from scipy.optimize import minimize
-from sheets import CORNER, CUT_SHEETS, SOFT, STIFF, R, pile_of, sheet_of
 
 from bilayer import InputError, LinearElastic, PlanarMesh, generate_mesh, solve
 from bilayer.geometry.alignment import rms_distance
