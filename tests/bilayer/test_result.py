@@ -21,8 +21,8 @@ from bilayer import (
 )
 from bilayer.measures.shape import measure_shape
 from bilayer.results.assembly import Provenance, build_result
-from bilayer.results.report import provenance
 from bilayer.results.files import ResumePoint, open_resume_point
+from bilayer.results.report import provenance
 
 PER_MILESTONE = {
     "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height", "iterations",
