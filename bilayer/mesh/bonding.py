@@ -1,4 +1,4 @@
-"""Whether the layers that lie on each triangle of a mesh are bonded to each other."""
+"""Whether the layers that lie on each triangle of a mesh can be those of a specimen."""
 
 import numpy as np
 
@@ -33,6 +33,8 @@ def check_bonding(specimen: Specimen, mesh: PlanarMesh) -> None:
 def check_no_gap(specimen: Specimen, mesh: PlanarMesh) -> None:
     """Raise InputError if a layer is cut away somewhere between two layers that lie there.
 
+    So it does if the mesh has layers that are not the specimen's.
+
     Parameters
     ----------
     specimen : Specimen
@@ -41,6 +43,12 @@ def check_no_gap(specimen: Specimen, mesh: PlanarMesh) -> None:
         Which of them lie on each triangle.
     """
     for region in np.unique(mesh.region):
+        unknown = sorted(mesh.layer_sets[region].difference(specimen.layer_names))
+        if unknown:
+            raise InputError(
+                f"mesh: has triangles of a layer {unknown[0]!r}, expected layers of this specimen: "
+                f"{', '.join(specimen.layer_names)}"
+            )
         there = [name in mesh.layer_sets[region] for name in specimen.layer_names]
         lowest, highest = there.index(True), len(there) - 1 - there[::-1].index(True)
         if not all(there[lowest:highest]):

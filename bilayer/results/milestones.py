@@ -6,6 +6,7 @@ from bilayer.errors import InputError
 
 FLAT_BODY = (
     "midsurface", "reference_x", "reference_y", "reference_position", "face_nodes", "region",
+    "layers_present",
     "volume", "volume_reference_x", "volume_reference_y", "volume_reference_z",
     "volume_reference_position", "volume_cells", "layer",
 )  # fmt: skip

@@ -6,12 +6,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.specimen.layer import BondedLayer, Response
 from bilayer.specimen.materials import stability_warning
-from bilayer.specimen.pattern import CutPattern, Pattern
 from bilayer.specimen.specimen import Specimen
 
 
@@ -44,11 +45,9 @@ def provenance(result: xr.Dataset) -> str:
     result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
-    cuts = [layer.pattern for layer in specimen.layers if layer.pattern is not None]
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: radius {1e3 * specimen.characteristic_length:g} mm, "
-        + ("uncut" if not cuts else _cut(cuts[0])),
+        f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
         *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -98,12 +97,14 @@ def trust(result: xr.Dataset) -> str:
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    sentences = [
-        _trust_as_equilibrium(result),
-        _trust_without_contact(result),
-        *law_warnings(result),
-    ]
-    return " ".join(sentences) + missing
+    return "".join(
+        [
+            f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}",
+            _trust_as_shell(result),
+            *(f" {warning}" for warning in law_warnings(result)),
+            missing,
+        ]
+    )
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -151,15 +152,31 @@ def _trust_without_contact(result: xr.Dataset) -> str:
     )
 
 
+def _trust_as_shell(result: xr.Dataset) -> str:
+    """Say that the sheet is too thick for a shell, or nothing."""
+    specimen = result_specimen(result)
+    if result.attrs["solver"] != "dshell" or not is_thick(specimen):
+        return ""
+    return (
+        f" The sheet is TOO THICK FOR A SHELL: its whole thickness is "
+        f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
+        f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
+    )
+
+
 def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
 
 
-def _cut(cut: Pattern) -> str:
-    if not isinstance(cut, CutPattern):
-        return cut.identity
-    inner = 1e3 * cut.inner_radius
-    return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
+def _cuts(specimen: Specimen) -> str:
+    """Say which patterns there are, each with its layers if there is more than one."""
+    layers: dict[str, list[str]] = {}
+    for layer in specimen.layers:
+        if layer.pattern is not None:
+            layers.setdefault(layer.pattern.words, []).append(layer.name)
+    if len(layers) < 2:
+        return next(iter(layers), "uncut")
+    return "; ".join(f"{' and '.join(names)}: {words}" for words, names in layers.items())
 
 
 def _layers(specimen: Specimen) -> list[str]:
@@ -168,10 +185,26 @@ def _layers(specimen: Specimen) -> list[str]:
     for part in specimen.bonded_layers((1.0, 1.0)):
         material = part.layer.material
         line = (
-            f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
+            f"{part.name + ' ':<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
             f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
         )
         if part.layer.is_stretched:
-            line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
-        lines.append(f"{line}, {'above' if part.is_above else 'below'}")
+            line += f", stretched{_response(part.layer.response)}"
+            line += f", bonded thickness {specimen.prestretch.thickness}"
+        lines.append(f"{line}, {_place(part)}")
     return lines
+
+
+def _place(part: BondedLayer) -> str:
+    """Say where a layer lies, seen from the reference surface."""
+    if part.is_above:
+        return "above"
+    return "below" if part.top <= 0 else "in the middle"
+
+
+def _response(response: Response) -> str:
+    """Say how a layer is stretched if it is not as the path has it."""
+    words = "" if response.kind == "path" else " by {:g} and {:g}".format(*response.stretch)
+    if response.factor != 1:
+        words += f" {response.factor:g} times as much"
+    return words + (f" at {response.angle:g} rad" if response.angle else "")

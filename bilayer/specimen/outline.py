@@ -71,6 +71,10 @@ class Outline(Protocol):
         """What leaves it as it is."""
 
     @property
+    def words(self) -> str:
+        """What a report says of it, lengths in mm."""
+
+    @property
     def identity(self) -> str:
         """A text that two outlines share if they are the same."""
         return repr(self)
@@ -108,6 +112,10 @@ class Disc(Outline):
     def symmetry(self) -> Symmetry:  # noqa: D102
         return Symmetry(0, True)
 
+    @property
+    def words(self) -> str:  # noqa: D102
+        return f"radius {1e3 * self.radius:g} mm"
+
 
 @dataclass(frozen=True)
 class Ellipse(Outline):
@@ -136,6 +144,10 @@ class Ellipse(Outline):
     @property
     def symmetry(self) -> Symmetry:  # noqa: D102
         return Symmetry(0 if self.width == self.height else 2, True)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        return f"ellipse of {1e3 * self.width:g} x {1e3 * self.height:g} mm"
 
 
 @dataclass(frozen=True)
@@ -184,6 +196,13 @@ class Rectangle(Outline):
     def symmetry(self) -> Symmetry:  # noqa: D102
         return Symmetry(4 if self.width == self.height else 2, True)
 
+    @property
+    def words(self) -> str:  # noqa: D102
+        sides = f"rectangle of {1e3 * self.width:g} x {1e3 * self.height:g} mm"
+        return sides + (
+            f" with corners of {1e3 * self.corner_radius:g} mm radius" if self.corner_radius else ""
+        )
+
 
 @dataclass(frozen=True)
 class RegularPolygon(Outline):
@@ -221,6 +240,10 @@ class RegularPolygon(Outline):
     def symmetry(self) -> Symmetry:  # noqa: D102
         half_steps = self.angle * self.sides / math.pi
         return Symmetry(self.sides, abs(half_steps - round(half_steps)) < 1e-9)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        return f"{self.sides} sides, corners at {1e3 * self.outer_radius:g} mm"
 
 
 @dataclass(frozen=True)
@@ -260,6 +283,11 @@ class Polygon(Outline):
     def symmetry(self) -> Symmetry:
         """None is looked for."""
         return Symmetry(1, False)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        holes = f" and {len(self.holes)} holes" if self.holes else ""
+        return f"polygon of {len(self.points)} corners{holes}, {1e6 * self.area:g} mm2"
 
 
 OUTLINES: dict[str, type] = {

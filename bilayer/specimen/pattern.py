@@ -39,6 +39,10 @@ class Pattern(Protocol):
         """What leaves it as it is."""
 
     @property
+    def words(self) -> str:
+        """What a report says of it, lengths in mm."""
+
+    @property
     def identity(self) -> str:
         """A text that two patterns share if they are the same."""
         return repr(self)
@@ -99,6 +103,13 @@ class CutPattern(Pattern):
     @property
     def symmetry(self) -> Symmetry:  # noqa: D102
         return Symmetry(self.strips, True)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        inner = 1e3 * self.inner_radius
+        return (
+            f"{self.strips} strips, cutouts of {self.cutout_angle:g} rad from {inner:g} mm outward"
+        )
 
 
 @dataclass(frozen=True)
@@ -169,6 +180,12 @@ class SectorProfile(Pattern):
     def symmetry(self) -> Symmetry:  # noqa: D102
         return Symmetry(self.strips, True)
 
+    @property
+    def words(self) -> str:  # noqa: D102
+        inner, angles = 1e3 * self.radii[0], (2 * min(self.half_angles), 2 * max(self.half_angles))
+        spread = f"{angles[0]:g} to {angles[1]:g} rad"
+        return f"{self.strips} strips, cutouts of {spread} from {inner:g} mm outward"
+
 
 @dataclass(frozen=True)
 class Polygons(Pattern):
@@ -206,6 +223,10 @@ class Polygons(Pattern):
     def symmetry(self) -> Symmetry:
         """None is looked for."""
         return Symmetry(1, False)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        return f"{len(self.polygons)} polygons {self.what}"
 
 
 @dataclass(frozen=True)
@@ -248,6 +269,10 @@ class Cross(Pattern):
     def symmetry(self) -> Symmetry:  # noqa: D102
         eighths = self.angle / (math.pi / 4)
         return Symmetry(4, abs(eighths - round(eighths)) < 1e-9)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        return f"a cross of bars {1e3 * self.arm_width:g} mm wide"
 
 
 PATTERNS: dict[str, type] = {

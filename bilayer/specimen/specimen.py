@@ -125,13 +125,12 @@ class Specimen:
         Of the whole layers (or, without one, of those that cover most) one named "substrate", or
         else the first from below that is stretched, or else the first.
         """
-
-        def rank(index: int) -> tuple[float, bool, bool, int]:
-            layer = self.layers[index]
-            share = kept_share(layer.pattern, self.outline)
-            return share, layer.name == SUBSTRATE, layer.is_stretched, -index
-
-        return self.layers[max(range(len(self.layers)), key=rank)]
+        whole = [layer for layer in self.layers if layer.is_whole]
+        if not whole:
+            shares = [kept_share(layer.pattern, self.outline) for layer in self.layers]
+            most = zip(self.layers, shares, strict=True)
+            whole = [layer for layer, share in most if share == max(shares)]
+        return max(whole, key=lambda layer: (layer.name == SUBSTRATE, layer.is_stretched))
 
     @property
     def reference_surface(self) -> ReferenceSurface:

@@ -41,8 +41,6 @@ MODE_TOLERANCE = 1e-4
 MODE_RESTARTS = 3
 """Of ARPACK, twenty solutions each, for modes that mend a stiffness: those worth it, nearly 0,
 stand apart and take no more; others took thousands of solutions on a fine mesh."""
-CORRECTIONS = 8
-"""With one factor; `scripts/benchmark dshell` tells the iterations that they leave."""
 TOO_FAR = 3.0
 """Growth of the residual force over a whole step, not a capped one, and its corrections. What comes
 after is often indefinite, which costs several iterations; half the step needs no new factor."""
@@ -140,11 +138,14 @@ class NewtonLimits:
         Allowed in one solve.
     longest_step : float
         Largest change of a degree of freedom in one iteration, m.
+    corrections : int
+        Allowed with one factor; `scripts/benchmark dshell` tells the iterations that they leave.
     """
 
     tolerance: float
     iterations: int
     longest_step: float
+    corrections: int = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,7 +299,7 @@ class EquilibriumSolver:
         free = self.assembly.free
         there = self.placed(here.body, here.state + step)
         inverse = SecantInverse(factor)
-        for _ in range(CORRECTIONS):
+        for _ in range(limits.corrections):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
             correction = _capped(self._step(inverse, there.residual), limits.longest_step)

@@ -93,8 +93,9 @@ def extrude(mesh: PlanarMesh, slabs: Sequence[Slab], below: float = 1.0) -> Volu
     n = len(mesh.points)
     heights = _heights(slabs, below)
     layer_between = np.repeat(np.arange(len(slabs)), [slab.elements for slab in slabs])
+    mirrored = 0 if float(below).is_integer() else np.flatnonzero(heights == 0)[0]
     cells = [
-        _tetrahedra(slabs[index].triangles + level * n, n)
+        _tetrahedra(slabs[index].triangles, n * level, n * (level + 1), level < mirrored)
         for level, index in enumerate(layer_between)
     ]
     layer = np.repeat(layer_between, [len(part) for part in cells])
@@ -112,10 +113,17 @@ def extrude(mesh: PlanarMesh, slabs: Sequence[Slab], below: float = 1.0) -> Volu
     )
 
 
-def _tetrahedra(bottom: NDArray[np.int64], above: int) -> NDArray[np.int64]:
-    """Return the prisms on triangles, cut into tetrahedra; nodes above are numbered by so more."""
-    corners = np.sort(bottom, axis=1)
-    return np.hstack([corners, corners + above])[:, _PRISM_TO_TETRAHEDRA].reshape(-1, 4)
+def _tetrahedra(
+    triangles: NDArray[np.int64], bottom: int, top: int, is_mirrored: bool
+) -> NDArray[np.int64]:
+    """Return the prisms on triangles, cut into tetrahedra, or into those of the mirror image.
+
+    The nodes below and above are numbered by so many more than those of the triangles.
+    """
+    corners = np.sort(triangles, axis=1)
+    levels = (top, bottom) if is_mirrored else (bottom, top)
+    prisms = np.hstack([corners + level for level in levels])
+    return prisms[:, _PRISM_TO_TETRAHEDRA].reshape(-1, 4)
 
 
 def _heights(slabs: Sequence[Slab], below: float) -> NDArray[np.float64]:
@@ -133,6 +141,8 @@ def _heights(slabs: Sequence[Slab], below: float) -> NDArray[np.float64]:
         heights += [bottom + slab.thickness * step / slab.elements for step in steps]
     level = sum(slab.elements for slab in slabs[:whole])
     if below > whole:
-        level += round((below - whole) * slabs[whole].elements)
+        level += int((below - whole) * slabs[whole].elements)
+    if abs(heights[level]) > 1e-9 * sum(thicknesses):
+        raise ValueError(f"below = {below}: expected a level of the mesh")
     heights[level] = 0.0  # but for round-off
     return np.array(heights)

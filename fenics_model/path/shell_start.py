@@ -1,8 +1,8 @@
 """A first guess of the solid's state from the shape of another result on the same planar mesh.
 
-The bonded interface is extruded along its normals, each fibre shortened by what the surface has
+The reference surface is extruded along its normals, each fibre shortened by what the surface has
 stretched (the layers keep their volume), and the pressures are those of a plane stress state.
-What this leaves of shear and of squeezed fibres is relaxed with the interface held (`settle`);
+What this leaves of shear and of squeezed fibres is relaxed with that surface held (`settle`);
 released with it, Newton's method would wander.
 """
 
@@ -33,20 +33,20 @@ def settle(
     options: str = "",
     stopwatch: Stopwatch | None = None,
 ) -> NewtonOutcome:
-    """Solve for everything but the interface's vertices, which stay where a guess has them."""
+    """Solve for everything but the reference surface, which stays where a guess has it."""
     here = solid.function_of(guess)
-    interface = [
+    surface = [
         fem.dirichletbc(
             here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.reference_surface)
         )
         for axis in range(3)
     ]
-    with Newton(solid, [*held, *interface], options=options, stopwatch=stopwatch) as newton:
+    with Newton(solid, [*held, *surface], options=options, stopwatch=stopwatch) as newton:
         return newton.solve(guess, tolerance)
 
 
 class Extrusion:
-    """Makes states of the solid from shapes of its interface.
+    """Makes states of the solid from shapes of its reference surface.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Extrusion:
         Parameters
         ----------
         shape : (n, 3) array of float
-            The deformed interface on the nodes, m.
+            The deformed reference surface on the nodes, m.
         """
         solid = self._solid
         fibres = _Fibres(solid, self._mesh, shape)

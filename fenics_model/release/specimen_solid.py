@@ -19,13 +19,13 @@ from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
 from fenics_model.path.release_path import LoadPlace, Stretch
-from fenics_model.settings import SolidSettings
+from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
 
 
 @dataclass(frozen=True, eq=False)
-class BilayerSolid:
+class SpecimenSolid:
     """A specimen as a solid, and what of it can change.
 
     Parameters
@@ -100,7 +100,7 @@ class BilayerSolid:
         return extruded(specimen, self.mesh, self.settings)
 
 
-def uneven_lift(body: BilayerSolid) -> NDArray[np.float64]:
+def uneven_lift(body: SpecimenSolid) -> NDArray[np.float64]:
     """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
 
     Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
@@ -109,7 +109,7 @@ def uneven_lift(body: BilayerSolid) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    body : BilayerSolid
+    body : SpecimenSolid
         To be lifted, about its centre.
 
     Returns
@@ -138,9 +138,9 @@ def natural_state(stretch: Tensor, thickness_rule: str) -> tuple[float, float, f
     return x, shear, y, thinning
 
 
-def bilayer_solid(
+def make_solid(
     specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings, comm: MPI.Comm
-) -> BilayerSolid:
+) -> SpecimenSolid:
     """Build the solid of a specimen on a planar mesh.
 
     Both ways of drawing a stretched layer have the `thickness` of the specimen's `Layer`: it is the
@@ -161,7 +161,7 @@ def bilayer_solid(
         quadrature_degree=settings.quadrature_degree,
     )
     names = tuple(layer.name for layer in layers)
-    return BilayerSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
+    return SpecimenSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
 
 
 def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
@@ -190,17 +190,6 @@ def _layers_below(specimen: Specimen, layers: Sequence[Layer]) -> float:
     below = sum(names.index(layer.name) < number for layer in layers)
     is_there = any(layer.name == surface.layer for layer in layers)
     return below + surface.share if is_there else below
-
-
-def elements_through(name: str, specimen: Specimen, settings: SolidSettings) -> int:
-    """Return the number of elements through a layer: as asked, or more for the reference surface.
-
-    That surface is a level of the mesh. So a layer that has it in its middle takes an even number.
-    """
-    surface, elements = specimen.reference_surface, settings.elements_through(name)
-    while surface.layer == name and not (surface.share * elements).is_integer():
-        elements += 1
-    return elements
 
 
 def saddle_on(layer: Layer, specimen: Specimen, mesh: PlanarMesh) -> SaddleLoad:

@@ -164,6 +164,7 @@ class Solid:
         function.sub(0).interpolate(displacement)
         for layer, pressure in enumerate(pressures):
             function.sub(1 + layer).interpolate(pressure)
+        function.x.scatter_forward()
         return State(function.x.array)
 
     def function_of(self, state: State) -> fem.Function:

@@ -1,6 +1,7 @@
 """The figures hold what they should, and their files are whole, repeatable and named well."""
 
 import sys
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -9,8 +10,9 @@ from made_results import cap_result, small_specimen
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from scipy.spatial.transform import Rotation
+from sheets import OUTLINES, PATTERNS, trilayer
 
-from bilayer import ComputationError, InputError, result_mesh
+from bilayer import ComputationError, InputError, generate_mesh, result_mesh
 from bilayer.figures import (
     draw_birds_eye,
     draw_comparison,
@@ -22,7 +24,7 @@ from bilayer.figures import (
     draw_shapes,
     save_figure,
 )
-from bilayer.figures.mesh import BARE_EDGE, BILAYER_EDGE, bilayer_edges
+from bilayer.figures.mesh import BARE_EDGE, BILAYER_EDGE, edge_regions
 from bilayer.figures.style import BARE_COLOUR, KIRIGAMI_COLOUR
 from bilayer.results.comparison import compare, comparison_table
 
@@ -82,12 +84,28 @@ def texts(axes):
     return [axes.get_title(), *(text.get_text() for text in axes.texts)]
 
 
+def test_a_trilayer_of_two_patterns_has_a_colour_and_a_name_for_each_set_of_layers():
+    sheet = trilayer(OUTLINES["ellipse"], PATTERNS["sectors"], PATTERNS["cross"])
+    mesh = generate_mesh(sheet)
+    names = ["trilayer", "lower + substrate", "substrate + upper", "bare substrate"]
+    figure = draw_mesh(mesh)
+    assert sorted(t.get_text() for t in figure.legends[0].get_texts()) == sorted(names)
+    region = edge_regions(mesh)
+    assert set(region) == {0, 1, 2, 3}
+    covered = np.union1d(mesh.faces_of("lower"), mesh.faces_of("upper"))
+    beside = {frozenset(edge) for t in mesh.triangles[covered] for edge in combinations(t, 2)}
+    bare = [frozenset(edge) not in beside for edge in mesh.edges]
+    assert (region == 0).tolist() == bare
+    (legend,) = draw_isometric(cap_result(sheet, mesh=mesh)).subfigs[0].legends
+    assert sorted(t.get_text() for t in legend.get_texts()) == sorted(names)
+
+
 def test_an_edge_beside_kirigami_is_a_bilayer_edge(whole):
     mesh = result_mesh(whole)
     covered = {frozenset(edge) for t in mesh.triangles[mesh.region == 1]
                for edge in (t[[0, 1]], t[[1, 2]], t[[2, 0]])}  # fmt: skip
     expected = [frozenset(edge) in covered for edge in mesh.edges]
-    assert bilayer_edges(mesh).tolist() == expected
+    assert (edge_regions(mesh) == 1).tolist() == expected
     assert 0 < sum(expected) < len(expected)
 
 
@@ -99,7 +117,7 @@ def test_the_mesh_has_each_edge_once_in_its_colour(whole):
         for lines in axes.collections
         if isinstance(lines, LineCollection)
     }
-    count = int(bilayer_edges(mesh).sum())
+    count = int((edge_regions(mesh) == 1).sum())
     assert drawn == {to_rgb(BILAYER_EDGE): count, to_rgb(BARE_EDGE): len(mesh.edges) - count}
 
 

@@ -8,7 +8,7 @@ from verification import bilayers
 
 from bilayer import InputError, Layer, LinearElastic, PlanarMesh, Prestretch, solve
 from bilayer.mesh.generation import generate_mesh
-from bilayer.specimen.two_layers import BARE, KIRIGAMI, disc_bilayer
+from bilayer.specimen.two_layers import BARE, KIRIGAMI, LAYERS, disc_bilayer
 from dshell import HingeSettings, MorleySettings
 from dshell.energies.topology import Topology
 from dshell.models.hinge_rest_state import (
@@ -50,29 +50,6 @@ def test_bare_substrate_shrinks_and_stays_flat():
     assert bare.neutral_axis == pytest.approx(-1e-3 / 1.1 / 1.2 / 2)
 
 
-@pytest.mark.parametrize("settings", [HingeSettings(), MorleySettings()], ids=["hinge", "morley"])
-def test_a_free_layer_of_the_linear_law_shrinks_to_its_natural_state(settings, coarse_mesh):
-    """sqrt(1 - 2 (l - 1)), 0.7746 at 1.2, where a hyperelastic law shrinks to 1 / l."""
-    law = LinearElastic(116_250.0, 0.49)
-    layers = {name: Layer(name, 1e-3, law) for name in ("substrate", "kirigami")}
-    specimen = disc_bilayer(
-        0.04, **layers, prestretch=Prestretch([1.2]), stretched=["substrate", "kirigami"]
-    )
-    covered = PlanarMesh(
-        coarse_mesh.points, coarse_mesh.triangles, np.ones_like(coarse_mesh.region)
-    )
-    result = solve(specimen, "dshell", settings, mesh=covered)
-    span = result.span.values[0, :2] / np.ptp(covered.points, axis=0)
-    assert span == pytest.approx([0.6**0.5] * 2, rel=1e-6)
-
-
-def test_where_the_linear_law_has_no_natural_state_the_hinges_are_refused():
-    law = LinearElastic(116_250.0, 0.49)
-    specimen = bilayers.ladder_disc().with_layer("substrate", material=law)
-    with pytest.raises(InputError, match="the linear law has no stress-free state"):
-        specimen_sections(specimen, (1.5, 1.5))
-
-
 def test_cutouts_have_the_natural_state_of_the_bare_substrate(coarse_specimen, coarse_mesh):
     """And the edges of the cuts that of both sides, by their areas and stiffnesses."""
     stretch = (1.2, 1.1)
@@ -92,6 +69,27 @@ def test_cutouts_have_the_natural_state_of_the_bare_substrate(coarse_specimen, c
     between = (natural - released)[at_cuts] / (held - released)[at_cuts]
     assert min(map(np.count_nonzero, (cut_out, covered, at_cuts))) > 10
     assert 0 < between.min() < between.max() < 1
+
+
+@pytest.mark.parametrize("settings", [HingeSettings(), MorleySettings()], ids=["hinge", "morley"])
+def test_a_free_layer_of_the_linear_law_shrinks_to_its_natural_state(settings, coarse_mesh):
+    """sqrt(1 - 2 (l - 1)), 0.7746 at 1.2, where a hyperelastic law shrinks to 1 / l."""
+    law = LinearElastic(116_250.0, 0.49)
+    layers = (Layer(name, 1e-3, law) for name in LAYERS)
+    specimen = disc_bilayer(0.04, *layers, Prestretch([1.2]), stretched=LAYERS)
+    covered = PlanarMesh(
+        coarse_mesh.points, coarse_mesh.triangles, np.ones_like(coarse_mesh.region)
+    )
+    result = solve(specimen, "dshell", settings, mesh=covered)
+    span = result.span.values[0, :2] / np.ptp(covered.points, axis=0)
+    assert span == pytest.approx([0.6**0.5] * 2, rel=1e-6)
+
+
+def test_where_the_linear_law_has_no_natural_state_the_hinges_are_refused():
+    law = LinearElastic(116_250.0, 0.49)
+    specimen = bilayers.ladder_disc().with_layer("substrate", material=law)
+    with pytest.raises(InputError, match="the linear law has no stress-free state"):
+        specimen_sections(specimen, (1.5, 1.5))
 
 
 def test_equilateral_lattice_has_the_closed_forms():

@@ -226,11 +226,11 @@ def test_the_held_points_carry_the_weight(mesh, thickness):
     from mpi4py import MPI
 
     from fenics_model.path.release_path import LoadPlace
-    from fenics_model.release.specimen_solid import bilayer_solid
+    from fenics_model.release.specimen_solid import make_solid
 
     prestretch = replace(COARSE.prestretch, thickness=thickness)
     heavy = replace(COARSE, gravity=9.81, prestretch=prestretch).with_milestones([1.2])
-    body = bilayer_solid(heavy, mesh, SolidSettings(imperfection=0.0), MPI.COMM_SELF)
+    body = make_solid(heavy, mesh, SolidSettings(imperfection=0.0), MPI.COMM_SELF)
     body.load(LoadPlace((1.2, 1.2), weight=1.0, imperfection=0.0))
     upward = body.solid.component(2).collapse()[1]
     with body.solid.at(body.solid.undeformed):

@@ -15,14 +15,14 @@ from bilayer.specimen.outline import Polygon, Rectangle
 from bilayer.specimen.pattern import CutPattern, Polygons
 from fenics_model import SolidSettings
 from fenics_model.path.release_path import LoadPlace
-from fenics_model.release.specimen_solid import bilayer_solid
+from fenics_model.release.specimen_solid import make_solid
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 TRIANGLE = Polygon(((-0.05, -0.05), (0.05, -0.04), (-0.03, 0.06)))
 
 
 def made_solid(specimen, settings):
-    return bilayer_solid(specimen, generate_mesh(specimen), settings, MPI.COMM_SELF)
+    return make_solid(specimen, generate_mesh(specimen), settings, MPI.COMM_SELF)
 
 
 def nodal_forces(body):

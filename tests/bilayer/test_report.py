@@ -1,0 +1,47 @@
+"""What the text of a result says of its specimen, and how far it can be trusted."""
+
+from dataclasses import replace
+
+import pytest
+from made_results import cap_result, small_specimen
+
+from bilayer.results.caveats import THICKEST_SHELL
+from bilayer.results.report import provenance, trust
+from bilayer.specimen.outline import Ellipse, Rectangle
+from bilayer.specimen.specimen import Specimen
+
+
+def of_thickness(share: float) -> Specimen:
+    """Return a specimen of layers that are together as thick as a share of its radius."""
+    half = share * 0.04 / 2
+    return (
+        small_specimen().with_layer("substrate", thickness=half)
+        .with_layer("kirigami", thickness=half)
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("solver", "warned"), [("dshell", True), ("fenics", False)])
+def test_a_shell_of_a_thick_sheet_is_not_trusted(solver, warned):
+    result = cap_result(of_thickness(1.2 * THICKEST_SHELL), solver=solver)
+    assert ("TOO THICK FOR A SHELL" in trust(result)) is warned
+    assert (f"{1.2 * THICKEST_SHELL:.1%} of the radius" in provenance(result)) is warned
+
+
+@pytest.mark.parametrize("specimen", [small_specimen(), of_thickness(THICKEST_SHELL)])
+def test_a_shell_of_a_thin_sheet_is(specimen):
+    assert "THICK" not in trust(cap_result(specimen))
+
+
+def test_the_specimen_is_described_by_its_outline_and_its_layers():
+    two = small_specimen()
+    ellipse = replace(two.with_layer("kirigami", pattern=None), outline=Ellipse(0.09, 0.04))
+    assert "radius 40 mm, 5 strips" in provenance(cap_result(two))
+    assert "ellipse of the area of a disc of radius 30 mm, uncut" in provenance(cap_result(ellipse))
+    lower = replace(two.layer("kirigami"), name="lower")
+    text = provenance(cap_result(replace(two, layers=(lower, *two.layers))))
+    sides = [line.rsplit(", ", 1)[1] for line in text.splitlines()[2:5]]
+    assert sides == ["below", "around the reference surface", "above"]
+    square = replace(two, outline=Rectangle(0.08, 0.08))
+    assert "rectangle of the area of a disc of radius 45.1352 mm, 5 strips" in provenance(
+        cap_result(square)
+    )
