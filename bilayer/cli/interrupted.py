@@ -1,6 +1,7 @@
 """A run that was interrupted, as the command line tells it: one line, and the exit status."""
 
 import sys
+from collections.abc import Iterator
 
 from bilayer.errors import Interrupted, Terminated
 from bilayer.runtime.ranks import is_first_rank
@@ -18,5 +19,11 @@ def tell_interruption(interrupt: KeyboardInterrupt) -> int:
         line += f"; {interrupt.output} has {done} of {count} milestones"
     if is_first_rank():
         print(line, file=sys.stderr)
-    causes = (interrupt, interrupt.__cause__)
-    return TERMINATED if any(isinstance(cause, Terminated) for cause in causes) else CTRL_C
+    return TERMINATED if any(isinstance(link, Terminated) for link in _chain(interrupt)) else CTRL_C
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """Yield an error, what caused it, and so on."""
+    while error is not None:
+        yield error
+        error = error.__cause__

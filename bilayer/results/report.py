@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.results.effort import effort_lines
-from bilayer.results.schema import result_mesh, result_specimen
+from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.specimen import CutPattern, Specimen
 
@@ -54,6 +54,8 @@ def provenance(result: xr.Dataset) -> str:
     ]
     if result.attrs["stop_reason"]:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
+    if NOT_MEASURED in result.attrs:
+        lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
     return "\n".join([*lines, "", result_table(result), "", trust(result)])
 
 

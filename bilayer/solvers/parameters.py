@@ -74,8 +74,9 @@ def parameter_value(specimen: Specimen, stretch: Stretch, parameter: str) -> flo
             return float(getattr(getattr(specimen, layer), name))
         case [layer, "material", name] if layer in LAYERS:
             material = getattr(specimen, layer).material
-            if name in _constants(material):
-                return float(getattr(material, name))
+            constant = _constant(material, name)
+            if constant is not None:
+                return float(getattr(material, constant))
     raise InputError(
         f"parameter = {parameter!r}: expected prestretch, prestretch.x, prestretch.y, gravity, or "
         f"LAYER.thickness, LAYER.density or LAYER.material.CONSTANT with a layer of {list(LAYERS)}"
@@ -95,15 +96,18 @@ def changed(
         case ["gravity"]:
             return replace(specimen, gravity=value), stretch
         case [layer, "material", name]:
-            material = replace(getattr(specimen, layer).material, **{name: value})
+            material = getattr(specimen, layer).material
+            material = replace(material, **{str(_constant(material, name)): value})
             return _with_layer(specimen, layer, material=material), stretch
         case [layer, name]:
             return _with_layer(specimen, layer, **{name: value}), stretch
     raise AssertionError(parameter)
 
 
-def _constants(material: Any) -> list[str]:
-    return [field.name for field in fields(material) if field.init]
+def _constant(material: Any, name: str) -> str | None:
+    """Return the field of a law's constant, in whatever case its name is; None: there is none."""
+    names = {field.name.casefold(): field.name for field in fields(material) if field.init}
+    return names.get(name.casefold())
 
 
 def _with_layer(specimen: Specimen, name: str, **changes: Any) -> Specimen:

@@ -10,9 +10,10 @@ import xarray as xr
 from bilayer.errors import InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance
-from bilayer.results.files import open_result
+from bilayer.results.files import open_result, write_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import Progress
+from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, SpecimenPath, Start
 from bilayer.solvers.path import LoadStep, Observer, follow_path, run_path
@@ -54,6 +55,8 @@ def solve_with(
         held = open_result(resume) if earlier is None else earlier.result
         check_same_run(held, resume, specimen, solver.name, model, settings, mesh)
         if earlier is None:
+            if output is not None and Path(output) != Path(resume) and is_first_rank():
+                write_result(held, output)
             return held
     path = _opened(solver, specimen, settings, mesh, start, comm, progress, earlier)
     with closing(path):
@@ -62,13 +65,15 @@ def solve_with(
         telling = [] if progress is None or not _is_first(path) else [reporter(progress)]
         targets = specimen.prestretch.milestones
         try:
-            run_path(path, targets, [*telling, recorder, *observers], first=recorder.tried)
+            run_path(path, targets, [recorder, *telling, *observers], first=recorder.tried)
             with signals_put_off():
                 result: xr.Dataset = _on_every_rank(path, recorder)
             return result
         except KeyboardInterrupt as interrupt:
-            if _has_others(path) or recorder.tried == 0:  # the ranks stop at different places
+            if _has_others(path):  # the ranks stop at different places
                 raise
+            if recorder.tried == 0:  # an `Interrupted` here is of a run that this one starts from
+                raise KeyboardInterrupt from interrupt
             with signals_put_off():
                 kept = Interrupted(recorder.result(), output)
             raise kept from interrupt

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from studies_for_tests import QUICK, log_lines, write_study
 
-from bilayer import open_result
+from bilayer import open_result, open_study, solve
 from bilayer.cli.main import main
 from bilayer.errors import ComputationError
 from bilayer.study.compute import compute_case
@@ -19,6 +19,7 @@ from bilayer.study.folder import StudyFolder
 from bilayer.study.index import TIMINGS, read_index, write_index
 from bilayer.study.plan import read_study
 from bilayer.study.run import cases_to_compute
+from dshell.release.specimen_path import ShellPath
 
 TWO_ANGLES = QUICK + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n'
 LONG = QUICK.replace("0.002", "0.04")
@@ -237,3 +238,59 @@ def test_a_log_that_cannot_be_written_is_told(study):
     folder.log_file.mkdir()
     with pytest.raises(ComputationError, match=r"study log .* cannot be written"):
         folder.log("begun", plan.cases[0])
+
+
+MILESTONES = (
+    '"prestretch.milestones" = [1.01, 1.02, 1.03, 1.04, 1.05, 1.06]\n"mesh.size" = [0.006]\n'
+)
+
+
+def test_a_case_that_is_killed_keeps_its_milestones_and_goes_on(study, capsys):
+    write, out = study
+    words = write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n' + MILESTONES)
+    folder, (case,) = StudyFolder(out), read_study(words[1]).cases
+    running = started([*words, "--case", "1"])
+    unfinished = folder.unfinished_file(case.identity)
+    while not unfinished.exists():
+        time.sleep(0.002)
+        assert running.poll() is None
+    running.kill()
+    running.communicate()
+    kept = open_result(unfinished)
+    count = int(kept["converged"].sum())
+    assert 1 <= count < 6
+    index = read_index(folder)
+    assert list(index["status"]) == ["unfinished"] * 6
+    assert list(index["quality"][:count]) == list(kept["quality"].values[:count])
+    assert open_study(out)["quality"].notnull().sum() == count
+    assert main(words) == 0
+    result = open_result(folder.result_file(case.identity))
+    assert list(result["wall_time"].values[:count]) == list(kept["wall_time"].values[:count])
+    undisturbed = solve(case.specimen, "dshell")
+    for name in ("position", "energy", "quality", "iterations"):
+        assert result[name].values == pytest.approx(undisturbed[name].values, rel=1e-9, abs=1e-14)
+    assert not unfinished.exists()
+    assert list(read_index(folder)["status"]) == ["done"] * 6
+
+
+def test_a_case_that_meets_an_error_keeps_its_milestones(study, monkeypatch):
+    write, out = study
+    words = write('specimen = "specimen.toml"\nsolver = "dshell"\n[vary]\n' + MILESTONES)
+    folder, (case,) = StudyFolder(out), read_study(words[1]).cases
+    follow, calls = ShellPath.approach, []
+
+    def approach(path, target):
+        calls.append(target)
+        if len(calls) == 3:
+            raise TypeError("a fault")
+        yield from follow(path, target)
+
+    monkeypatch.setattr(ShellPath, "approach", approach)
+    assert main([*words, "--case", "1"]) == 1
+    assert folder.failure(case.identity)
+    assert list(read_index(folder)["converged"]) == [1, 1, 0, 0, 0, 0]
+    assert main([*words, "--case", "1", "--retry-failed"]) == 0
+    assert calls == [
+        *case.specimen.prestretch.milestones[:3],
+        *case.specimen.prestretch.milestones[2:],
+    ]
