@@ -92,7 +92,7 @@ SOLVER = Solver(
     name="dshell",
     models=MODELS,
     parallel=False,
-    bytes_per_triangle=BYTES_PER_TRIANGLE,
+    bytes_per_triangle=lambda specimen, settings: BYTES_PER_TRIANGLE,
     default_start="flat",
     open_path=open_path,
 )

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 from bilayer.errors import InputError
 from bilayer.specimen.settings import documented
-from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE
+from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
 from bilayer.validation import finite, fraction, keep, one_of, positive, whole
 
 BYTES_PER_TRIANGLE = 300_000
-"""Memory of the matrix and its factors, one element through each layer (measured: 225 kB per
-triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
+"""Memory of the matrix and its factors, one element through each of two layers (measured: 225 kB
+per triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
 
 BRANCHES = ("lowest", "other", "unstable")
 
@@ -90,6 +90,23 @@ class SolidSettings:
         """Return the number of elements that are asked for through a layer, by its name."""
         named = {SUBSTRATE: self.substrate_elements, KIRIGAMI_LAYER: self.kirigami_elements}
         return named.get(layer, 1 if self.elements is None else self.elements)
+
+
+def elements_through(name: str, specimen: Specimen, settings: SolidSettings) -> int:
+    """Return the number of elements through a layer: as asked, or more for the reference surface.
+
+    That surface is a level of the mesh. So a layer that has it in its middle takes an even number.
+    """
+    surface, elements = specimen.reference_surface, settings.elements_through(name)
+    while surface.layer == name and not (surface.share * elements).is_integer():
+        elements += 1
+    return elements
+
+
+def bytes_per_triangle(specimen: Specimen, settings: SolidSettings) -> float:
+    """Return the memory that the model of a specimen takes for each triangle of its planar mesh."""
+    elements = sum(elements_through(name, specimen, settings) for name in specimen.layer_names)
+    return BYTES_PER_TRIANGLE * elements / 2
 
 
 MODELS = {"solid": SolidSettings}

@@ -49,10 +49,13 @@ def add_verb(verbs: Any, run: Callable[[Any], int], name: str, text: str, exampl
 def add_specimen_arguments(verb: Parser) -> None:
     """Add the specimen file and what may be changed of it."""
     verb.add_argument("specimen", help="the specimen's TOML file")
-    verb.add_argument("--mesh-size", metavar="M", help="edge length of the planar mesh, m")
+    verb.add_argument(
+        "--mesh-size", metavar="M",
+        help="edge length of the planar mesh, a number in m or a text such as '4 mm'",
+    )  # fmt: skip
     verb.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="replace one value of the specimen, as in --set substrate.thickness=0.0008",
+        help="replace one value of the specimen, as in --set substrate.thickness='0.8 mm'",
     )  # fmt: skip
 
 

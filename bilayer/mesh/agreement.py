@@ -57,7 +57,7 @@ def _check_outline(specimen: Specimen, mesh: PlanarMesh) -> None:
     near = ON_OUTLINE * specimen.characteristic_length
     outline = specimen.sheet.boundary
     rim = shapely.multilinestrings([shapely.linestrings(edges)])[0]
-    nodes = mesh.points[mesh.rim_nodes]
+    nodes = mesh.points[np.unique(mesh.boundary_edges)]
     apart = shapely.distance(shapely.points(nodes), outline)
     missed = shapely.distance(shapely.points(shapely.get_coordinates(outline)), rim)
     farthest = int(np.argmax(apart))

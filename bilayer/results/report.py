@@ -6,11 +6,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.layer import BondedLayer, Response
+from bilayer.specimen.materials import stability_warning
 from bilayer.specimen.specimen import Specimen
 
 
@@ -95,7 +97,13 @@ def trust(result: xr.Dataset) -> str:
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}{missing}"
+    sentences = [
+        _trust_as_equilibrium(result),
+        _trust_without_contact(result),
+        *thickness_warnings(result),
+        *law_warnings(result),
+    ]
+    return " ".join(sentences) + missing
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -109,6 +117,20 @@ def _trust_as_equilibrium(result: xr.Dataset) -> str:
         unstable = ", ".join(map(stretch_text, stretches(result)[done][modes > 0]))
         return f"{solved}; NOT STABLE at {unstable}: another shape has less energy."
     return f"{solved}, and stable."
+
+
+def law_warnings(result: xr.Dataset) -> list[str]:
+    """Return a sentence for each layer that a milestone stretches beyond its law's stability."""
+    specimen = result_specimen(result)
+    reached = stretches(result)[result["converged"].values == 1]
+    bonded = [specimen.bonded_layers((float(x), float(y))) for x, y in reached]
+    warnings = [
+        stability_warning(
+            parts[0].name, parts[0].layer.material, [part.principal_stretches for part in parts]
+        )
+        for parts in zip(*bonded, strict=True)
+    ]
+    return list(filter(None, warnings))
 
 
 def _trust_without_contact(result: xr.Dataset) -> str:
@@ -127,6 +149,18 @@ def _trust_without_contact(result: xr.Dataset) -> str:
         f"The body TOUCHES ITSELF at {', '.join(names[k] for k in touching)}, first {between}; "
         "contact is not modelled, so those shapes pass through themselves."
     )
+
+
+def thickness_warnings(result: xr.Dataset) -> list[str]:
+    """Return a sentence if the sheet of a shell's result is too thick for a shell."""
+    specimen = result_specimen(result)
+    if result.attrs["solver"] != "dshell" or not is_thick(specimen):
+        return []
+    return [
+        f"The sheet is TOO THICK FOR A SHELL: its whole thickness is "
+        f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
+        f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
+    ]
 
 
 def _settings(result: xr.Dataset) -> dict[str, object]:

@@ -113,6 +113,6 @@ def _constant(material: Any, name: str) -> str | None:
     names = {
         field.name.casefold(): field.name
         for field in fields(material)
-        if field.init and isinstance(getattr(material, field.name), float)
+        if field.init and isinstance(getattr(material, field.name), (int, float))
     }
     return names.get(name.casefold())

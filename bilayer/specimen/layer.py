@@ -164,6 +164,13 @@ class BondedLayer:
         return self.stretch[0][0], self.stretch[1][1]
 
     @property
+    def principal_stretches(self) -> StretchPair:
+        """The larger and the smaller stretch, along axes at right angles."""
+        (a, b), (_, c) = self.stretch
+        mean, half = (a + c) / 2, math.hypot((a - c) / 2, b)
+        return mean + half, mean - half
+
+    @property
     def is_above(self) -> bool:
         """Whether all of it lies above the reference surface."""
         return self.bottom >= 0

@@ -79,14 +79,18 @@ class Case:
         """Raise NotEnoughMemoryError if its process would take more than is available, bytes."""
         check_memory(
             self.specimen,
-            solver_named(self.solver).bytes_per_triangle,
+            self._bytes_per_triangle,
             f"the solver {self.solver!r}",
             max(available - BYTES_OF_A_PROCESS, 0.0),
         )
 
     @property
     def _model_memory(self) -> float:
-        return self.triangles * float(solver_named(self.solver).bytes_per_triangle)
+        return self.triangles * self._bytes_per_triangle
+
+    @property
+    def _bytes_per_triangle(self) -> float:
+        return solver_named(self.solver).bytes_per_triangle(self.specimen, self.settings)
 
     @property
     def cost(self) -> float:

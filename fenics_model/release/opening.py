@@ -15,8 +15,7 @@ from bilayer.runtime.memory import available_memory
 from bilayer.solvers.contract import Start
 from bilayer.specimen.specimen import Specimen
 from fenics_model.release.solid_path import SolidPath
-from fenics_model.release.specimen_solid import elements_through
-from fenics_model.settings import BYTES_PER_TRIANGLE, SolidSettings
+from fenics_model.settings import SolidSettings, bytes_per_triangle
 
 
 def open_solid_path(
@@ -56,8 +55,7 @@ def _make_mesh(
     specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings, available: float
 ) -> PlanarMesh:
     """Return the mesh of a run if the machines of all ranks together have the memory for it."""
-    elements = sum(elements_through(name, specimen, settings) for name in specimen.layer_names)
-    needed = BYTES_PER_TRIANGLE * elements / 2
+    needed = bytes_per_triangle(specimen, settings)
     return mesh_within_memory(specimen, mesh, needed, "the finite-element model", available)
 
 

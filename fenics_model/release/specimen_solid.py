@@ -19,7 +19,7 @@ from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
 from fenics_model.path.release_path import LoadPlace, Stretch
-from fenics_model.settings import SolidSettings
+from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
 
@@ -192,17 +192,6 @@ def _layers_below(specimen: Specimen, layers: Sequence[Layer]) -> float:
     return below + surface.share if is_there else below
 
 
-def elements_through(name: str, specimen: Specimen, settings: SolidSettings) -> int:
-    """Return the number of elements through a layer: as asked, or more for the reference surface.
-
-    That surface is a level of the mesh. So a layer that has it in its middle takes an even number.
-    """
-    surface, elements = specimen.reference_surface, settings.elements_through(name)
-    while surface.layer == name and not (surface.share * elements).is_integer():
-        elements += 1
-    return elements
-
-
 def saddle_on(layer: Layer, specimen: Specimen, mesh: PlanarMesh) -> SaddleLoad:
     """Return the saddle-shaped load that is in balance on a layer, whatever its mass."""
     triangles = mesh.triangles[mesh.faces_of(layer.name)]
@@ -234,7 +223,7 @@ def set_law(energy: StrainEnergy, layer: Layer) -> None:
     """Give an energy made by `strain_energy` the constants of a layer's law."""
     _, values = energy_constants(layer.material)
     for name, value in values.items():
-        getattr(energy, name).value = value
+        energy.symbols[name].value = value
 
 
 def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:

@@ -9,7 +9,7 @@ The energies are mixed: p is an unknown of its own, whose stationarity gives p =
 p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, Protocol
@@ -37,6 +37,11 @@ class StrainEnergy(Protocol):
         pressure : UFL scalar
             The independent pressure (positive in tension), Pa.
         """
+        ...
+
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """What stands for the constants of the law, by the names of `energy_constants`."""
         ...
 
 
@@ -101,8 +106,8 @@ class HyperelasticEnergy:
         return w.value + w.first_along(change) + w.second_along(change, change) / 2
 
     @property
-    def symbols(self) -> dict[str, Any]:
-        """What stands for the constants of the law."""
+    def symbols(self) -> Mapping[str, Any]:
+        """See `StrainEnergy`."""
         return self.law.numbers()
 
 
@@ -134,6 +139,11 @@ class LinearEnergy:
         shear = self.shear_modulus * ufl.inner(deviator, deviator)
         bulk = pressure * ufl.tr(strain) - pressure**2 * self.compliance / 2
         return (shear + bulk) * thinning
+
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """See `StrainEnergy`."""
+        return vars(self)
 
     def _initial_strain(self, natural: Any) -> Any:
         ratio = self.shear_modulus * self.compliance

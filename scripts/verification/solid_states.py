@@ -67,9 +67,9 @@ def equibiaxial_stress(solid, stretch: float) -> tuple[float, float]:
 
 def planar_stress(solid, stretch: float) -> tuple[float, float]:
     """Nominal stresses, along and across, of a block stretched along x whose width is held, Pa."""
-    solve_block(solid, (stretch, 1.0, 1.0), sides={0, 1})
+    state = solve_block(solid, (stretch, 1.0, 1.0), sides={0, 1})
     P = stress(solid)  # per area of the mesh, whose width is the natural one
-    return mean(solid, P[0, 0]), stretch * mean(solid, P[1, 1])
+    return mean(solid, state, P[0, 0]), stretch * mean(solid, state, P[1, 1])
 
 
 @dataclass(frozen=True)

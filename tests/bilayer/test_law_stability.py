@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from made_results import cap_result, small_specimen
 from scipy.optimize import brentq
 
 from bilayer import ArrudaBoyce, Gent, LinearElastic, MooneyRivlin, NeoHookean, Ogden, Yeoh
-from bilayer.specimen.materials import loss_of_stability, stability_limits
+from bilayer.results.report import trust
+from bilayer.specimen.materials import loss_of_stability, stability_limits, stability_warning
 from bilayer.specimen.materials.stability import LOADINGS
 
 
@@ -77,3 +79,19 @@ def test_which_criterion_fails_at_a_stretch():
     assert loss_of_stability(tape, (1.6, 1.5)) == "dead loads"
     assert loss_of_stability(MooneyRivlin(1e4, -2e3), (2.0, 2.0)) == "Drucker's criterion"
     assert loss_of_stability(LinearElastic(1e5, 0.5), (1.4, 1.4)) == ""
+
+
+def test_a_warning_names_layer_stretches_and_limit():
+    tape = MooneyRivlin(1.0, 3.004)
+    assert stability_warning("substrate", tape, [(1.2, 1.2), (1.26, 1.26)]) == ""
+    assert stability_warning("substrate", tape, [(1.2, 1.2), (1.27, 1.27), (1.6, 1.5)]) == (
+        "The law of the substrate is NOT STABLE at 1.27 by equal loads, from 1.263 on; at 1.6,1.5 "
+        "by dead loads."
+    )
+
+
+def test_a_report_warns_of_what_is_beyond():
+    beyond = small_specimen([1.26, 1.3])
+    found = trust(cap_result(beyond))
+    assert "The law of the substrate is NOT STABLE at 1.3 by equal loads, from 1.263 on." in found
+    assert "NOT STABLE" not in trust(cap_result(beyond.with_milestones([1.26])))

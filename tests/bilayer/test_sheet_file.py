@@ -2,6 +2,8 @@
 
 import math
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -130,6 +132,19 @@ def test_a_wrong_dimension_is_one_line(override, message):
     with pytest.raises(InputError, match=message.replace("^", r"\^")) as caught:
         parse_specimen(template(), [override])
     assert "\n" not in str(caught.value)
+
+
+def test_pint_is_loaded_for_a_unit_alone():
+    """It takes a tenth of a second."""
+    program = (
+        "import sys; from bilayer import paper_specimen, parse_specimen; paper_specimen(); "
+        "print('pint' in sys.modules); from bilayer.specimen.toml import template; "
+        "parse_specimen(template(), ['mesh.size=4 mm']); print('pint' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["False", "True"]
 
 
 @pytest.mark.parametrize("radius", ["40", "4e-5"])

@@ -7,6 +7,7 @@ import pytest
 from studies_for_tests import write_study
 
 from bilayer.errors import InputError
+from bilayer.study.case import BYTES_OF_A_PROCESS
 from bilayer.study.plan import _ascending, read_study
 from bilayer.study.variation import product_rows, sampled_rows, zipped_rows
 
@@ -167,3 +168,10 @@ def test_long_cases_cost_more(plan):
     study = plan(HEAD + '[vary]\n"mesh.size" = [0.01, 0.005]\n')
     coarse, fine = (case.cost for case in study.cases)
     assert np.isclose(fine / coarse, 4, rtol=0.1)
+
+
+def test_more_elements_through_a_layer_take_more_memory(plan):
+    text = 'specimen = "specimen.toml"\nsolver = "fenics"\n[vary]\n'
+    study = plan(text + '"settings.fenics.substrate_elements" = [1, 3]\n')
+    one, three = (case.memory - BYTES_OF_A_PROCESS for case in study.cases)
+    assert three == pytest.approx(2 * one)

@@ -1,5 +1,6 @@
 """A fine mesh that starts from a coarse one's shape ends where it would from flat."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -28,12 +29,21 @@ def fine_mesh(fine_specimen):
     return generate_mesh(fine_specimen)
 
 
+@pytest.fixture(scope="module")
+def released(fine_specimen, fine_mesh):
+    """Return the fine result of a model, from flat or from a coarse mesh, computed once."""
+
+    @functools.cache
+    def release(kind, coarse_triangles):
+        settings = kind(coarse_triangles=coarse_triangles)
+        return solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+
+    return release
+
+
 @KINDS
-def test_it_ends_in_the_equilibrium_that_flat_leads_to(kind, fine_specimen, fine_mesh):
-    from_flat, from_coarse = (
-        solve(fine_specimen, "dshell", kind(coarse_triangles=count), mesh=fine_mesh)
-        for count in (0, COARSE)
-    )
+def test_it_ends_in_the_equilibrium_that_flat_leads_to(kind, released):
+    from_flat, from_coarse = released(kind, 0), released(kind, COARSE)
     assert from_flat.attrs["start"] == "flat"
     assert from_coarse.attrs["start"].startswith("flat, on a coarse mesh first: dshell, model")
     assert from_coarse.iterations.values[0] < 0.7 * from_flat.iterations.values[0]
@@ -42,20 +52,22 @@ def test_it_ends_in_the_equilibrium_that_flat_leads_to(kind, fine_specimen, fine
     assert from_coarse.position.values == pytest.approx(from_flat.position.values, abs=1e-7)
 
 
-def test_later_milestones_start_from_the_first(fine_specimen, fine_mesh):
+def test_later_milestones_start_from_the_first(fine_specimen, fine_mesh, released):
     settings = MorleySettings(coarse_triangles=COARSE)
     both = fine_specimen.with_milestones([1.03, 1.06])
     result = solve(both, "dshell", settings, mesh=fine_mesh)
-    single = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+    single = released(MorleySettings, COARSE)
     assert result.position.values[1] == pytest.approx(single.position.values[0], abs=1e-7)
 
 
-def test_a_start_that_leads_nowhere_is_left_for_flat(fine_specimen, fine_mesh, monkeypatch):
+def test_a_start_that_leads_nowhere_is_left_for_flat(
+    fine_specimen, fine_mesh, released, monkeypatch
+):
+    flat = released(MorleySettings, 0)
     noise = np.random.default_rng(0).normal(scale=0.02, size=(len(fine_mesh.points), 3))
     monkeypatch.setattr(solver, "prolonged", lambda shape, coarse, fine: noise)
     settings = MorleySettings(coarse_triangles=COARSE)
     result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
-    flat = solve(fine_specimen, "dshell", MorleySettings(coarse_triangles=0), mesh=fine_mesh)
     assert result.converged.all()
     assert result.attrs["start"].startswith("flat, because what was to start it led nowhere: flat,")
     assert result.height.values == pytest.approx(flat.height.values, rel=1e-6)

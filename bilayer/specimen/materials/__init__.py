@@ -20,6 +20,7 @@ from bilayer.specimen.materials.stability import (
     StabilityLimits,
     loss_of_stability,
     stability_limits,
+    stability_warning,
 )
 from bilayer.specimen.materials.yeoh import Yeoh
 
@@ -43,4 +44,5 @@ __all__ = [
     "loss_of_stability",
     "register_law",
     "stability_limits",
+    "stability_warning",
 ]

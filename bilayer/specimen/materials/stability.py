@@ -16,7 +16,7 @@ International Journal of Solids and Structures 22 (1986) 111-119.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,6 +35,7 @@ LOADINGS: Mapping[str, Callable[[Array], tuple[Array, Array]]] = {
     "planar": lambda stretch: (stretch, np.ones_like(stretch)),
 }
 """Stretches in the plane by the largest of them; the free ones keep the volume."""
+DRUCKER, EQUAL_LOADS, DEAD_LOADS = "Drucker's criterion", "equal loads", "dead loads"
 LARGEST_STRETCH = 10.0
 _SAMPLES = 400
 _IN_PLANE = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]])  # logarithmic strains, volume kept
@@ -72,10 +73,42 @@ def loss_of_stability(law: Law, stretch: Stretches) -> str:
         return ""
     x, y = np.array(stretch)[:, None]
     if drucker_margin(law, x, y)[0] <= 0:
-        return "Drucker's criterion"
+        return DRUCKER
     if dead_load_margin(law, x, y)[0] <= 0:
-        return "equal loads" if stretch[0] == stretch[1] else "dead loads"
+        return EQUAL_LOADS if math.isclose(*stretch) else DEAD_LOADS
     return ""
+
+
+def stability_warning(name: str, law: Law, stretches: Sequence[Stretches]) -> str:
+    """Return a sentence on the stretches that are beyond the stability of a law, "" if none is.
+
+    Parameters
+    ----------
+    name : str
+        What the layer is called.
+    law : Law
+        Its law.
+    stretches : sequence of (float, float)
+        Principal stretches in the plane, at which the layer is held.
+    """
+    lost: dict[str, list[str]] = {}
+    for stretch in stretches:
+        criterion = loss_of_stability(law, stretch)
+        if criterion:
+            lost.setdefault(criterion + _limit_of(law, stretch, criterion), []).append(
+                f"{stretch[0]:g}" if math.isclose(*stretch) else f"{stretch[0]:g},{stretch[1]:g}"
+            )
+    where = "; ".join(f"at {', '.join(found)} by {why}" for why, found in lost.items())
+    return f"The law of the {name} is NOT STABLE {where}." if where else ""
+
+
+def _limit_of(law: Law, stretch: Stretches, criterion: str) -> str:
+    """Return from which stretch on a criterion fails, in words, if that is one number."""
+    if not math.isclose(*stretch):
+        return ""
+    limits = stability_limits(law)
+    limit = limits.equal_loads if criterion == EQUAL_LOADS else limits.drucker["equibiaxial"]
+    return f", from {limit:.4g} on" if math.isfinite(limit) else ""
 
 
 def drucker_margin(law: Hyperelastic, x: Array, y: Array) -> Array:
