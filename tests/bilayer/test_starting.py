@@ -1,6 +1,7 @@
 """The shapes of a start that lead to the milestones of a run, in whatever order they come."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ def take_along(start, targets):
     """The rows of a start whose shapes lead to each target, and how far they are from it."""
     positions, shapes = start["position"].values, StartShapes.of(start, result_mesh(start))
     pairs = [(x, x) for x in (1.0, *targets)]
-    ways = [shapes.take_shapes(*way) for way in zip(pairs[:-1], pairs[1:], strict=True)]
+    ways = [shapes.take_shapes(*way) for way in pairwise(pairs)]
     rows = [
         [[np.array_equal(s.shape, row) for row in positions].index(True) for s in way]
         for way in ways
