@@ -30,14 +30,29 @@ if TYPE_CHECKING:
     from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
     from bilayer.solvers.registry import follow, solve
-    from bilayer.specimen.material import LinearElastic, MooneyRivlin, NeoHookean
-    from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
+    from bilayer.specimen.layer import BondedLayer, Layer, Response
+    from bilayer.specimen.materials import (
+        ArrudaBoyce,
+        Gent,
+        Hyperelastic,
+        LinearElastic,
+        MooneyRivlin,
+        NeoHookean,
+        Ogden,
+        Yeoh,
+        register_law,
+    )
+    from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
+    from bilayer.specimen.pattern import Cross, CutPattern, Polygons, SectorProfile
+    from bilayer.specimen.prestretch import Prestretch
+    from bilayer.specimen.specimen import MeshSize, Specimen
     from bilayer.specimen.toml import (
         paper_specimen,
         parse_specimen,
         read_specimen,
         specimen_to_toml,
     )
+    from bilayer.specimen.two_layers import disc_bilayer
     from bilayer.study.dataset import open_study
     from dshell.settings import HingeSettings, MorleySettings, PaperSettings
     from fenics_model.settings import SolidSettings
@@ -63,14 +78,29 @@ _MODULES = {
     "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
     "bilayer.solvers.registry": ("follow", "solve"),
-    "bilayer.specimen.material": ("LinearElastic", "MooneyRivlin", "NeoHookean"),
-    "bilayer.specimen.specimen": ("CutPattern", "Layer", "MeshSize", "Prestretch", "Specimen"),
+    "bilayer.specimen.materials": (
+        "ArrudaBoyce",
+        "Gent",
+        "Hyperelastic",
+        "LinearElastic",
+        "MooneyRivlin",
+        "NeoHookean",
+        "Ogden",
+        "Yeoh",
+        "register_law",
+    ),
+    "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
+    "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
+    "bilayer.specimen.pattern": ("Cross", "CutPattern", "Polygons", "SectorProfile"),
+    "bilayer.specimen.prestretch": ("Prestretch",),
+    "bilayer.specimen.specimen": ("MeshSize", "Specimen"),
     "bilayer.specimen.toml": (
         "paper_specimen",
         "parse_specimen",
         "read_specimen",
         "specimen_to_toml",
     ),
+    "bilayer.specimen.two_layers": ("disc_bilayer",),
     "bilayer.study.dataset": ("open_study",),
     "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
     "fenics_model.settings": ("SolidSettings",),

@@ -1,5 +1,7 @@
 """What can go wrong, in two kinds: the input is bad, or the computation failed."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 INTERRUPTED = "interrupted"
@@ -12,6 +14,19 @@ class BilayerError(Exception):
 
 class InputError(BilayerError, ValueError):
     """Bad input: the text names the field, its value and what was expected."""
+
+
+@contextmanager
+def fields_of(table: str) -> Iterator[None]:
+    """Say of an InputError that its field is one of a table: "size = ..." is "mesh.size = ..."."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{table}.{error}") from error
+
+
+class NotEnoughMemoryError(InputError):
+    """A computation that would not fit into the memory there is now; elsewhere or later it may."""
 
 
 class ComputationError(BilayerError, RuntimeError):

@@ -1,12 +1,37 @@
 """Checks on single values; each names the field, the value and what was expected."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
 from bilayer.errors import InputError
+
+
+def keep(
+    instance: Any, check: Callable[..., Any], *names: str, table: str = "", **options: Any
+) -> None:
+    """Check fields of a frozen dataclass and keep what the check returns.
+
+    So a number of numpy, or 5.0 for a whole number, is kept as what it stands for.
+
+    Parameters
+    ----------
+    instance : frozen dataclass
+        Within its `__post_init__`.
+    check : callable
+        One of this module's, called with the field, the value and the options.
+    *names : str
+        The fields.
+    table : str
+        What their names are written after in messages: "mesh." makes "mesh.size".
+    **options
+        Of the check.
+    """
+    for name in names:
+        value = check(f"{table}{name}", getattr(instance, name), **options)
+        object.__setattr__(instance, name, value)
 
 
 def finite(field: str, value: Any) -> float:
@@ -56,6 +81,20 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
     if value not in known:
         listed = ", ".join(repr(choice) for choice in known)
         raise InputError(f"{field} = {value!r}: expected one of {listed}{nearest(value, known)}")
+    return str(value)
+
+
+def listed(field: str, value: Any) -> list[Any]:
+    """Return `value` as a list; raise InputError unless it is a list of something."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise InputError(f"{field} = {value!r}: expected a list")
+    return list(value)
+
+
+def text(field: str, value: Any) -> str:
+    """Return `value`; raise InputError unless it is a text."""
+    if not isinstance(value, str):
+        raise InputError(f"{field} = {value!r}: expected a text")
     return str(value)
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bilayer.errors import InputError
+from bilayer.specimen.prestretch import BONDED_THICKNESS_RULES
 from bilayer.specimen.settings import documented
-from bilayer.specimen.specimen import BONDED_THICKNESS_RULES
-from bilayer.validation import fraction, not_negative, one_of, positive, whole
+from bilayer.validation import fraction, keep, not_negative, one_of, positive, whole
 from dshell.energies.through_thickness import PROFILES
 
 METHODS = ("static", "dynamic")
@@ -58,15 +58,14 @@ class ReleaseSettings:
     )
 
     def __post_init__(self) -> None:
-        one_of("solver.method", self.method, METHODS)
-        one_of("solver.branch", self.branch, tuple(BRANCHES))
-        _check_times(self.total_time, self.time_step)
-        not_negative("solver.damping_rate", self.damping_rate, "1/s")
-        whole("solver.max_iterations", self.max_iterations, at_least=1)
-        whole("solver.coarse_triangles", self.coarse_triangles, at_least=0)
-        fraction("solver.tolerance", self.tolerance)
-        for name in ("ramp", "longest_step", "smallest_step"):
-            positive(f"solver.{name}", getattr(self, name))
+        keep(self, one_of, "method", table="solver.", choices=METHODS)
+        keep(self, one_of, "branch", table="solver.", choices=tuple(BRANCHES))
+        _keep_times(self)
+        keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")
+        keep(self, whole, "max_iterations", table="solver.", at_least=1)
+        keep(self, whole, "coarse_triangles", table="solver.", at_least=0)
+        keep(self, fraction, "tolerance", table="solver.")
+        keep(self, positive, "ramp", "longest_step", "smallest_step", table="solver.")
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ class MorleySettings(ReleaseSettings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        one_of("solver.profile", self.profile, PROFILES)
+        keep(self, one_of, "profile", table="solver.", choices=PROFILES)
 
 
 @dataclass(frozen=True)
@@ -113,12 +112,12 @@ class PaperSettings:
     max_iterations: int = documented(200, "Newton-Raphson iterations allowed in a time step")
 
     def __post_init__(self) -> None:
-        one_of("solver.thickness", self.thickness, BONDED_THICKNESS_RULES)
-        _check_times(self.total_time, self.time_step)
-        not_negative("solver.gravity", self.gravity, "m/s2")
-        not_negative("solver.damping_rate", self.damping_rate, "1/s")
-        fraction("solver.tolerance", self.tolerance)
-        whole("solver.max_iterations", self.max_iterations, at_least=1)
+        keep(self, one_of, "thickness", table="solver.", choices=BONDED_THICKNESS_RULES)
+        _keep_times(self)
+        keep(self, not_negative, "gravity", table="solver.", unit="m/s2")
+        keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")
+        keep(self, fraction, "tolerance", table="solver.")
+        keep(self, whole, "max_iterations", table="solver.", at_least=1)
 
     @property
     def steps(self) -> int:
@@ -126,10 +125,10 @@ class PaperSettings:
         return math.ceil(self.total_time / self.time_step * (1 - 1e-12))
 
 
-def _check_times(total_time: float, time_step: float) -> None:
+def _keep_times(settings: "ReleaseSettings | PaperSettings") -> None:
     """Raise InputError unless a time step fits into the total time, not too many times."""
-    positive("solver.total_time", total_time, "s")
-    positive("solver.time_step", time_step, "s")
+    keep(settings, positive, "total_time", "time_step", table="solver.", unit="s")
+    total_time, time_step = settings.total_time, settings.time_step
     shortest = total_time / MOST_TIME_STEPS
     if not shortest <= time_step <= total_time:
         raise InputError(

@@ -92,7 +92,7 @@ SOLVER = Solver(
     name="dshell",
     models=MODELS,
     parallel=False,
-    bytes_per_triangle=BYTES_PER_TRIANGLE,
+    bytes_per_triangle=lambda specimen, settings: BYTES_PER_TRIANGLE,
     default_start="flat",
     open_path=open_path,
 )
@@ -108,7 +108,7 @@ def _shell_path(
     limits = StepLimits(
         settings.tolerance,
         settings.max_iterations,
-        settings.longest_step * specimen.outer_radius,
+        settings.longest_step * specimen.characteristic_length,
         settings.ramp,
         settings.smallest_step,
     )

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 from bilayer.errors import InputError
 from bilayer.specimen.settings import documented
-from bilayer.validation import finite, fraction, one_of, positive, whole
+from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
+from bilayer.validation import finite, fraction, keep, one_of, positive, whole
 
 BYTES_PER_TRIANGLE = 300_000
-"""Memory of the matrix and its factors, one element through each layer (measured: 225 kB per
-triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
+"""Memory of the matrix and its factors, one element through each of two layers (measured: 225 kB
+per triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
 
 BRANCHES = ("lowest", "other", "unstable")
 
@@ -23,8 +24,13 @@ class SolidSettings:
         A value is out of its range.
     """
 
-    substrate_elements: int = documented(1, "elements through the substrate")
-    kirigami_elements: int = documented(1, "elements through the kirigami layer")
+    substrate_elements: int = documented(1, "elements through a layer named substrate")
+    kirigami_elements: int = documented(1, "elements through a layer named kirigami")
+    elements: int | None = documented(
+        None,
+        "elements through each other layer, 1 if not set; the layer whose middle is the reference "
+        "surface takes an even number, one more if need be",
+    )
     quadrature_degree: int = documented(4, "polynomial degree that the quadrature integrates")
     first_step: float = documented(0.001, "first load step, as a change of the prestretch [1]")
     smallest_step: float = documented(
@@ -63,22 +69,44 @@ class SolidSettings:
     )
 
     def __post_init__(self) -> None:
-        for name in ("substrate_elements", "kirigami_elements", "quadrature_degree",
-                     "target_iterations", "iteration_limit"):  # fmt: skip
-            whole(f"solver.{name}", getattr(self, name), at_least=1)
-        whole("solver.flow_steps", self.flow_steps, at_least=0)
-        for name in ("first_step", "smallest_step", "largest_step"):
-            positive(f"solver.{name}", getattr(self, name))
-        for name in ("tolerance", "path_tolerance"):
-            fraction(f"solver.{name}", getattr(self, name))
-        finite("solver.imperfection", self.imperfection)
-        one_of("solver.branch", self.branch, BRANCHES)
+        counts = ("substrate_elements", "kirigami_elements", "quadrature_degree",
+                  "target_iterations", "iteration_limit")  # fmt: skip
+        keep(self, whole, *counts, table="solver.", at_least=1)
+        if self.elements is not None:
+            keep(self, whole, "elements", table="solver.", at_least=1)
+        keep(self, whole, "flow_steps", table="solver.", at_least=0)
+        keep(self, positive, "first_step", "smallest_step", "largest_step", table="solver.")
+        keep(self, fraction, "tolerance", "path_tolerance", table="solver.")
+        keep(self, finite, "imperfection", table="solver.")
+        keep(self, one_of, "branch", table="solver.", choices=BRANCHES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(
                     f"solver.{smaller} = {getattr(self, smaller)!r}: expected at most "
                     f"solver.{larger} = {getattr(self, larger)!r}"
                 )
+
+    def elements_through(self, layer: str) -> int:
+        """Return the number of elements that are asked for through a layer, by its name."""
+        named = {SUBSTRATE: self.substrate_elements, KIRIGAMI_LAYER: self.kirigami_elements}
+        return named.get(layer, 1 if self.elements is None else self.elements)
+
+
+def elements_through(name: str, specimen: Specimen, settings: SolidSettings) -> int:
+    """Return the number of elements through a layer: as asked, or more for the reference surface.
+
+    That surface is a level of the mesh. So a layer that has it in its middle takes an even number.
+    """
+    surface, elements = specimen.reference_surface, settings.elements_through(name)
+    while surface.layer == name and not (surface.share * elements).is_integer():
+        elements += 1
+    return elements
+
+
+def bytes_per_triangle(specimen: Specimen, settings: SolidSettings) -> float:
+    """Return the memory that the model of a specimen takes for each triangle of its planar mesh."""
+    elements = sum(elements_through(name, specimen, settings) for name in specimen.layer_names)
+    return BYTES_PER_TRIANGLE * elements / 2
 
 
 MODELS = {"solid": SolidSettings}

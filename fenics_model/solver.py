@@ -1,6 +1,6 @@
-"""The 3D finite-element model of a bilayer: mixed displacement-pressure, hyperelastic, released.
+"""The 3D finite-element model of a sheet: mixed displacement-pressure, hyperelastic, released.
 
-The planar mesh is extruded through both layers, a layer's prestretch is its natural state, and
+The planar mesh is extruded through all layers, a layer's prestretch is its natural state, and
 Newton's method follows the equilibria while it changes. dolfinx is loaded by `open_path` alone.
 """
 
@@ -11,7 +11,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.specimen.specimen import Specimen
-from fenics_model.settings import BYTES_PER_TRIANGLE, MODELS, SolidSettings
+from fenics_model.settings import MODELS, SolidSettings, bytes_per_triangle
 
 
 def open_path(
@@ -49,7 +49,7 @@ SOLVER = Solver(
     name="fenics",
     models=MODELS,
     parallel=True,
-    bytes_per_triangle=BYTES_PER_TRIANGLE,
+    bytes_per_triangle=bytes_per_triangle,
     default_start="shell",
     open_path=open_path,
 )

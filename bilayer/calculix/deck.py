@@ -23,18 +23,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.calculix.drawn_layer import INTERFACE, DrawnLayer, draw_layer, natural_scale
+from bilayer.calculix.drawn_layer import INTERFACE, DrawnLayer, draw_layer
 from bilayer.calculix.quadratic_mesh import ELEMENTS, QuadraticMesh, quadratic_mesh
 from bilayer.errors import InputError
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh, flat_surface
+from bilayer.geometry.saddle_load import SaddleLoad
+from bilayer.mesh.agreement import check_agreement
+from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
-from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin, NeoHookean
+from bilayer.specimen.layer import BondedLayer
+from bilayer.specimen.materials import Law, LinearElastic, MooneyRivlin, NeoHookean
 from bilayer.specimen.settings import documented
-from bilayer.specimen.specimen import LAYERS, BondedLayer, Specimen
+from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
 from bilayer.specimen.support import HeldNodes, support
 from bilayer.specimen.toml import specimen_to_toml
-from bilayer.validation import finite, one_of, positive
+from bilayer.specimen.two_layers import LAYERS, TwoLayers
+from bilayer.validation import finite, keep, one_of, positive
 
 MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
 
@@ -63,11 +67,10 @@ class DeckSettings:
     )
 
     def __post_init__(self) -> None:
-        one_of("solver.element", self.element, ELEMENTS)
-        finite("solver.imperfection", self.imperfection)
+        keep(self, one_of, "element", table="solver.", choices=ELEMENTS)
+        keep(self, finite, "imperfection", table="solver.")
         increments = ("smallest_increment", "first_increment", "largest_increment")
-        for name in increments:
-            positive(f"solver.{name}", getattr(self, name))
+        keep(self, positive, *increments, table="solver.")
         for smaller, larger in pairwise(increments):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(
@@ -119,10 +122,12 @@ def write_decks(
     Raises
     ------
     InputError
-        A material cannot be had, or the folder cannot be written.
+        A material cannot be had, the mesh is not one of the specimen, or the folder cannot be
+        written.
     ComputationError
         Writing failed, for example on a full disk.
     """
+    check_agreement(specimen, mesh)
     milestones = specimen.prestretch.milestones
     target = Path(path)
     names = [target]
@@ -186,6 +191,7 @@ def deck_points(
 def _parts(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float], element: str
 ) -> tuple[_Part, _Part]:
+    TwoLayers.of(specimen, "CalculiX deck")
     cells = quadratic_mesh(mesh, element)
     substrate, kirigami = (specimen.bonded_layer(name, stretch) for name in LAYERS)
     first = _part(cells, substrate, 1, 1)
@@ -193,7 +199,7 @@ def _parts(
 
 
 def _part(cells: QuadraticMesh, bonded: BondedLayer, node: int, element: int) -> _Part:
-    scale = natural_scale(bonded.layer.material, bonded.stretch)
+    scale = bonded.layer.material.natural_scale(bonded.axial_stretch)
     return _Part(bonded, draw_layer(cells, bonded, scale), scale, node, element)
 
 
@@ -266,7 +272,7 @@ def _(law: NeoHookean, scale: tuple[float, float, float], field: str) -> Iterato
 
 @_law_card.register
 def _(law: LinearElastic, scale: tuple[float, float, float], field: str) -> Iterator[str]:
-    """Stiffnesses of the strain E' = A^-1 E A^-1, see `natural_scale`, per drawn volume.
+    """Stiffnesses of the strain E' = A^-1 E A^-1, A the natural scale, per drawn volume.
 
     D'_iijj = a_i^2 a_j^2 D_iijj / det A, and so for the shears.
     """
@@ -349,12 +355,12 @@ def _step(
 def _saddle_load(
     specimen: Specimen, mesh: PlanarMesh, parts: tuple[_Part, _Part], acceleration: float
 ) -> Iterator[str]:
-    """Yield forces on the substrate's mass, as (X^2 - Y^2) / R^2, where no node is eliminated."""
+    """Yield forces on the substrate's mass where no node is eliminated, see `SaddleLoad`."""
     eliminated, kept = (part.nodes(INTERFACE)[: len(mesh.points)] for part in parts)
-    substrate = specimen.substrate
+    substrate = specimen.carrier
     mass = substrate.density * substrate.thickness * flat_surface(mesh).node_areas
-    x, y = mesh.points.T / specimen.outer_radius
-    forces = mass * acceleration * (x**2 - y**2)
+    saddle = SaddleLoad.on_points(mesh.points, mass, specimen.characteristic_length)
+    forces = mass * acceleration * saddle.at(*mesh.points.T)
     yield "*CLOAD, AMPLITUDE=VANISHING"
     for node, force in zip(np.where(kept > 0, kept, eliminated), forces, strict=True):
         yield f"{node}, 3, {force:.6e}"
@@ -365,6 +371,6 @@ def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
 
     The substrate's nodes that do are eliminated.
     """
-    carrying = np.unique(mesh.triangles[mesh.region == KIRIGAMI])
-    a, b, c = carrying[list(support(mesh.points[carrying], gravity))]
+    carrying = np.unique(mesh.triangles[mesh.faces_of(KIRIGAMI_LAYER)])
+    a, b, c = carrying[list(support(mesh.points[carrying], gravity, mesh.centroid))]
     return int(a), int(b), int(c)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.calculix.triangle_pairing import paired_triangles
-from bilayer.mesh.planar import BARE, KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.two_layers import BARE, KIRIGAMI
 from bilayer.validation import one_of
 
 Cells = NDArray[np.int64]

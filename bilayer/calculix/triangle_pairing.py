@@ -6,11 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
-from bilayer.mesh.generation import gmsh_session
-from bilayer.mesh.planar import BARE, KIRIGAMI, PlanarMesh
+from bilayer.mesh.gmsh_session import gmsh_session
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.two_layers import BARE, KIRIGAMI
 
 Cells = NDArray[np.int64]
 GMSH_TRIANGLE, GMSH_QUADRILATERAL = 2, 3
+
+
+KEEP_NODES = {"Mesh.RecombineOptimizeTopology": 0, "Mesh.RecombineNodeRepositioning": 0}
+"""Options of gmsh: else pairing would move or remove nodes."""
 
 
 def paired_triangles(mesh: PlanarMesh) -> dict[int, tuple[Cells, Cells]]:
@@ -33,10 +38,8 @@ def paired_triangles(mesh: PlanarMesh) -> dict[int, tuple[Cells, Cells]]:
         gmsh is not there, or fails.
     """
     points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
-    with gmsh_session() as gmsh:
+    with gmsh_session(KEEP_NODES) as gmsh:
         try:
-            gmsh.option.setNumber("Mesh.RecombineOptimizeTopology", 0)  # this and the next would
-            gmsh.option.setNumber("Mesh.RecombineNodeRepositioning", 0)  # move or remove nodes
             surfaces = {region: gmsh.model.addDiscreteEntity(2) for region in (BARE, KIRIGAMI)}
             tags = np.arange(1, len(points) + 1)
             gmsh.model.mesh.addNodes(2, surfaces[KIRIGAMI], tags, points.ravel())

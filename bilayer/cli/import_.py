@@ -14,7 +14,7 @@ from bilayer.cli.parser import (
     specimen_of,
 )
 from bilayer.results.files import write_result
-from bilayer.results.report import result_table
+from bilayer.results.report import law_warnings, result_table
 from bilayer.runtime.output_file import check_writable
 
 
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
     result = import_calculix(options.frd, specimen, mesh_of(options, specimen))
     write_result(result, options.output)
     if not options.quiet:
-        print(result_table(result))
+        print(result_table(result), *law_warnings(result), sep="\n")
     if bool(result["converged"].all()):
         return 0
     print(f"bilayer: stopped early: {result.attrs['stop_reason']}", file=sys.stderr)

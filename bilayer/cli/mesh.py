@@ -28,12 +28,17 @@ def run(options: argparse.Namespace) -> int:
 
     output = Path(options.output)
     check_writable(output)
-    mesh = generate_mesh(specimen_of(options, options.overrides))
+    specimen = specimen_of(options, options.overrides)
+    mesh = generate_mesh(specimen)
     write_planar_mesh(mesh, output)
     save_figure(draw_mesh(mesh), output.with_suffix(".png"))
     if not options.quiet:
         print(
             f"{len(mesh.points)} nodes, {len(mesh.triangles)} triangles, "
-            f"{int((mesh.region == 1).sum())} of them kirigami"
+            + ", ".join(
+                f"{len(mesh.faces_of(name))} of them {name}"
+                for name in specimen.layer_names
+                if name != specimen.carrier.name
+            )
         )
     return 0

@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from bilayer.errors import InputError
+from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh, read_planar_mesh
 from bilayer.results.files import open_result
 from bilayer.results.schema import result_mesh
-from bilayer.specimen.specimen import KIRIGAMI, Specimen
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
-
-CUT_TOLERANCE = 0.02
-"""Of the area, between what the kirigami of a mesh covers and what the cut leaves of it."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -51,10 +49,13 @@ def add_verb(verbs: Any, run: Callable[[Any], int], name: str, text: str, exampl
 def add_specimen_arguments(verb: Parser) -> None:
     """Add the specimen file and what may be changed of it."""
     verb.add_argument("specimen", help="the specimen's TOML file")
-    verb.add_argument("--mesh-size", metavar="M", help="edge length of the planar mesh, m")
+    verb.add_argument(
+        "--mesh-size", metavar="M",
+        help="edge length of the planar mesh, a number in m or a text such as '4 mm'",
+    )  # fmt: skip
     verb.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="replace one value of the specimen, as in --set substrate.thickness=0.0008",
+        help="replace one value of the specimen, as in --set substrate.thickness='0.8 mm'",
     )  # fmt: skip
 
 
@@ -80,33 +81,18 @@ def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
 
 
 def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
-    """Return the mesh of the command line, as large as the specimen, or a generated one."""
+    """Return the mesh of the command line, one of the specimen, or a generated one."""
     if options.mesh is None:
         return generate_mesh(specimen)
     if Path(options.mesh).suffix == ".nc":
         mesh = result_mesh(open_result(options.mesh))
     else:
-        mesh = read_planar_mesh(options.mesh)
-    radius = float((mesh.points**2).sum(axis=1).max() ** 0.5)
-    if abs(radius - specimen.outer_radius) > 1e-3 * specimen.outer_radius:
-        raise InputError(
-            f"mesh file {options.mesh}: its outermost node lies at {radius:g} m, expected "
-            f"specimen.outer_radius = {specimen.outer_radius} m"
-        )
-    if specimen.cut is not None:
-        _check_cut(options.mesh, mesh, specimen)
+        mesh = read_planar_mesh(options.mesh, specimen.layer_sets)
+    try:
+        check_agreement(specimen, mesh)
+    except InputError as error:
+        raise InputError(str(error).replace("mesh:", f"mesh file {options.mesh}:", 1)) from error
     return mesh
-
-
-def _check_cut(file: str, mesh: PlanarMesh, specimen: Specimen) -> None:
-    """Raise InputError where the kirigami of a mesh is not as large as the cut leaves it."""
-    covered = float(mesh.areas[mesh.region == KIRIGAMI].sum() / mesh.areas.sum())
-    expected = specimen.kirigami_share
-    if abs(covered - expected) > CUT_TOLERANCE:
-        raise InputError(
-            f"mesh file {file}: kirigami covers {covered:.1%} of it, expected {expected:.1%} by "
-            "[cut]; a mesh with a pattern of its own goes with a specimen without [cut]"
-        )
 
 
 def _milestone(word: str) -> Any:

@@ -5,7 +5,7 @@ from typing import Any
 
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
-from bilayer.specimen.toml import toml_value
+from bilayer.specimen.overrides import toml_value
 from bilayer.study.dataset import open_study
 
 

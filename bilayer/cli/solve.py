@@ -14,7 +14,7 @@ from bilayer.cli.parser import (
 )
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
-from bilayer.results.report import result_table
+from bilayer.results.report import law_warnings, result_table
 from bilayer.results.schema import NOT_MEASURED
 from bilayer.runtime.output_file import check_writable, remove_leftovers
 from bilayer.runtime.progress import progress_bar
@@ -86,7 +86,7 @@ def _solve(options: argparse.Namespace) -> int:
             resume=output if options.resume and output.exists() else None,
         )
     if first and not options.quiet:
-        print(result_table(result))
+        print(result_table(result), *law_warnings(result), sep="\n")
     return _status_of(result, settings, told=first)
 
 

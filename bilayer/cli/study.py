@@ -9,11 +9,13 @@ import pandas as pd
 
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
+from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
 from bilayer.study.estimate import estimate, estimate_text
-from bilayer.study.folder import StudyFolder
-from bilayer.study.index import DONE, read_index
+from bilayer.study.folder import DONE, LACKS_MEMORY, StudyFolder
+from bilayer.study.index import read_index
+from bilayer.study.memory import first_at_once, separate_by_memory
 from bilayer.study.plan import StudyPlan, read_study
 from bilayer.study.processes import available_cores
 from bilayer.study.run import cases_to_compute, run_one_case, run_study, run_study_on_ranks
@@ -31,7 +33,9 @@ def add(verbs: Any) -> None:
     verb.add_argument("study", help="the study's TOML file")
     verb.add_argument("-o", "--output", required=True, metavar="DIR", help="the study's folder")
     verb.add_argument(
-        "--jobs", metavar="N", help="cases at a time; all cores it may use where left out"
+        "--jobs",
+        metavar="N",
+        help="most cases at a time, as far as the memory goes; default: one a core",
     )
     verb.add_argument(
         "--ranks-per-case", default="1", metavar="N", help="under mpirun: ranks that share a case"
@@ -56,9 +60,10 @@ def run(options: argparse.Namespace) -> int:
     ranks_per_case = _count("--ranks-per-case", options.ranks_per_case)
     world = world_of_ranks()
     if options.dry_run:
+        memory = available_memory(world)
         if is_first_rank():
             at_a_time = jobs if world is None else -(-world.Get_size() // ranks_per_case)
-            print(_expectation(plan, options, at_a_time))
+            print(_expectation(plan, options, at_a_time, memory))
         return 0
     if options.case is not None:
         return _run_case(plan, options, world)
@@ -67,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
         if world is None:
             index = run_study(
                 plan, options.output, jobs=jobs, retry_failed=options.retry_failed,
-                progress=progress,
+                progress=progress, notice=_notice,
             )  # fmt: skip
         else:
             index = run_study_on_ranks(
@@ -87,12 +92,25 @@ def _run_case(plan: StudyPlan, options: argparse.Namespace, world: Any) -> int:
     return _report(index[index["case"] == identity], options) if is_first_rank() else 0
 
 
-def _expectation(plan: StudyPlan, options: argparse.Namespace, at_a_time: int) -> str:
-    """Return what a start would do, in one line."""
+def _notice(line: str) -> None:
+    print(f"bilayer: {line}", file=sys.stderr)
+
+
+def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory: float) -> str:
+    """Return what a start would do, in one line, and a line for each case that lacks memory."""
     folder = StudyFolder(options.output)
     index = read_index(folder) if folder.plan_file.exists() else None
     waiting = cases_to_compute(plan, folder, options.retry_failed)
-    return f"{len(plan.cases)} cases, {estimate_text(estimate(waiting, index), at_a_time)}"
+    fitting, shortages = separate_by_memory(waiting, memory)
+    at_a_time = first_at_once(fitting, jobs, memory)
+    lines = [
+        f"{len(plan.cases)} cases, {estimate_text(estimate(fitting, index), at_a_time)}",
+        *(
+            f"case {case.identity} ({case}) {LACKS_MEMORY}: {why}"
+            for case, why in shortages.items()
+        ),
+    ]
+    return "\n".join(lines)
 
 
 def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:

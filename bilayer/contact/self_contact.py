@@ -1,10 +1,9 @@
 """How near a released body comes to itself, from the skin of its layers.
 
-The skin is the closed surface of the body: the layers' outer sides above and below the bonded
-interface, the interface where one of them is cut out, walls at the rim and along the cuts. Two
-places of it can touch only where the sheet is bent back onto itself, which is told on the
-interface, so that a tight curl whose inner side is short is not mistaken for contact.
-docs/measures.md has the definition.
+The skin is the closed surface of the body: the sides of the layers where no other layer lies on
+them, walls at the rim and along the cuts. Two places of it can touch only where the sheet is bent
+back onto itself, which is told on the reference surface, so that a tight curl whose inner side is
+short is not mistaken for contact. docs/measures.md has the definition.
 """
 
 from collections.abc import Sequence
@@ -23,11 +22,11 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 REACH = 1.0
-"""Gaps are measured up to this many bonded thicknesses of both layers together."""
+"""Gaps are measured up to this many bonded thicknesses of all layers together."""
 TOUCHING = 1e-6
 """Skins nearer than this share of that thickness touch: above round-off, below every error."""
 MIDDLE_ROUNDS = 3
-"""Rounds of the fixed point for the height of a layer, the first from the interface's area."""
+"""Rounds of the fixed point for the height of a layer, the first from the area of its base."""
 BATCH = 4096
 """Pairs of triangles that are measured at once."""
 
@@ -38,29 +37,31 @@ class Sheet:
 
     Parameters
     ----------
-    height : float
-        Of its outer side over the interface in the flat bonded state, m, negative below.
+    bottom, top : float
+        Heights over the reference surface in the flat bonded state, m.
     faces : (k,) array of int
         Triangles that it covers.
     """
 
-    height: float
+    bottom: float
+    top: float
     faces: Indices
 
 
 @dataclass(frozen=True, eq=False)
 class BondedBody:
-    """A flat bilayer as a solid.
+    """A flat sheet of layers as a solid.
 
     Parameters
     ----------
     mesh : PlanarMesh
-        The bonded interface.
+        The reference surface.
     sheets : sequence of Sheet
-        The layers.
+        The layers from the bottom up, each on the one before; the reference surface lies in one of
+        them or between two.
     shrinkage : float
         Length that a stretched layer would take if it were free over its bonded length: the
-        largest shortening of the interface that is no bending back.
+        largest shortening of the reference surface that is no bending back.
     """
 
     mesh: PlanarMesh
@@ -70,18 +71,17 @@ class BondedBody:
     @classmethod
     def of(cls, specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]) -> "BondedBody":
         """Return the body that a specimen is when bonded at a prestretch."""
-        layers = specimen.bonded_layers(stretch)
         sheets = [
-            Sheet(part.top if part.is_above else part.bottom, mesh.faces_in(part.regions))
-            for part in layers
+            Sheet(part.bottom, part.top, mesh.faces_of(part.name))
+            for part in specimen.bonded_layers(stretch)
         ]
-        longest = max(max(part.stretch) for part in layers)
+        longest = max(max(layer.response.axial(stretch)) for layer in specimen.layers)
         return cls(mesh, sheets, shrinkage=1 / max(1.0, longest))
 
     @property
     def thickness(self) -> float:
         """Of all layers together, m."""
-        return sum(abs(sheet.height) for sheet in self.sheets)
+        return sum(sheet.top - sheet.bottom for sheet in self.sheets)
 
     @property
     def reach(self) -> float:
@@ -105,7 +105,7 @@ def self_contact_gap(body: BondedBody, position: Array) -> float:
     body : BondedBody
         The flat state.
     position : (n, 3) array of float
-        The bonded interface on the nodes of its mesh, m.
+        The reference surface on the nodes of its mesh, m.
 
     Returns
     -------
@@ -113,53 +113,100 @@ def self_contact_gap(body: BondedBody, position: Array) -> float:
         0 where the body touches or crosses itself; infinity where no two places that are bent back
         onto each other come nearer than `body.reach`.
     """
-    interface = Surface(np.asarray(position, dtype=np.float64), body.mesh.triangles)
-    skin = skin_of(body, interface)
-    pairs = _bent_back_pairs(body, interface, skin)
+    reference = Surface(np.asarray(position, dtype=np.float64), body.mesh.triangles)
+    skin = skin_of(body, reference)
+    pairs = _bent_back_pairs(body, reference, skin)
     touching = TOUCHING * body.thickness
     nearest = _smallest_distance(skin.surface.corners, pairs, touching, body.reach)
     return 0.0 if nearest <= touching else nearest
 
 
-def skin_of(body: BondedBody, interface: Surface) -> Skin:
-    """Return the skin of a released body, its triangles turned outward."""
-    mesh, n = body.mesh, len(interface.points)
-    points, parts = [interface.points], []
-    for number, sheet in enumerate(body.sheets, start=1):
-        points.append(interface.points + _fibres(mesh, interface, sheet.faces, sheet.height))
-        uncovered = np.setdiff1d(np.arange(len(mesh.triangles)), sheet.faces)
-        outward = mesh.triangles if sheet.height > 0 else mesh.triangles[:, ::-1]
-        lower, upper = sorted((0, number * n), reverse=sheet.height < 0)
+def skin_of(body: BondedBody, reference: Surface) -> Skin:
+    """Return the skin of a released body, its triangles turned outward.
+
+    Parameters
+    ----------
+    body : BondedBody
+        The flat state.
+    reference : Surface
+        The released reference surface.
+    """
+    mesh, n = body.mesh, len(reference.points)
+    surfaces, sides = _sides_of(body, reference)
+    nothing = np.empty(0, dtype=np.int64)
+    faces = [nothing, *(sheet.faces for sheet in body.sheets), nothing]
+    parts = []
+    for number, (below, own, above) in enumerate(zip(faces, faces[1:], faces[2:], strict=False)):
+        lower, upper = (n * side for side in sides[number])
+        bottom, top = np.setdiff1d(own, below), np.setdiff1d(own, above)
         parts += [
-            (outward[sheet.faces] + number * n, sheet.faces),
-            (outward[uncovered], uncovered),
-            _walls(mesh, sheet.faces, lower, upper),
+            (mesh.triangles[bottom][:, ::-1] + lower, bottom),
+            (mesh.triangles[top] + upper, top),
+            _walls(mesh, own, lower, upper),
         ]
     triangles, face = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Skin(Surface(np.concatenate(points), triangles), face)
+    return Skin(Surface(np.concatenate(surfaces), triangles), face)
 
 
-def _fibres(mesh: PlanarMesh, interface: Surface, faces: Indices, height: float) -> Array:
-    """Return the fibres of a layer from the interface to its other side, m, (n, 3).
+def _sides_of(body: BondedBody, reference: Surface) -> tuple[list[Array], list[tuple[int, int]]]:
+    """Return the sides of the layers as surfaces, (n, 3) each, and the numbers of each layer's two.
+
+    Surface 0 is the reference; from there the layers follow each other, each on the one before.
+    """
+    surfaces = [reference.points]
+    lower, upper = [0] * len(body.sheets), [0] * len(body.sheets)
+
+    def add(base: int, sheet: Sheet, height: float) -> int:
+        fibres = _fibres(body.mesh, surfaces[base], sheet.faces, height)
+        surfaces.append(surfaces[base] + fibres)
+        return len(surfaces) - 1
+
+    base = 0
+    for number, sheet in reversed([*enumerate(body.sheets)]):
+        if sheet.bottom < 0:
+            upper[number] = base
+            base = lower[number] = add(base, sheet, sheet.bottom - min(sheet.top, 0.0))
+    base = 0
+    for number, sheet in enumerate(body.sheets):
+        if sheet.top > 0:
+            lower[number] = lower[number] or base
+            base = upper[number] = add(base, sheet, sheet.top - max(sheet.bottom, 0.0))
+    return surfaces, list(zip(lower, upper, strict=True))
+
+
+def _fibres(mesh: PlanarMesh, base: Array, faces: Indices, height: float) -> Array:
+    """Return the fibres of a layer from its base to its other side, m, (n, 3).
 
     Straight, along the area-weighted normals of the layer's own triangles, so that a bare wedge
-    that is folded does not tilt the kirigami beside it; zero at nodes without the layer. The layer
-    keeps its volume: it is as high as it was over the area stretch of its own middle surface.
+    that is folded does not tilt the kirigami beside it; at nodes without the layer those of all
+    triangles, for what lies on it. The layer keeps its volume: it is as high as it was over the
+    area stretch of its own middle surface.
     """
+    own, covered = _fibres_of(mesh, base, faces, height)
+    if covered.all():
+        return own
+    everywhere, _ = _fibres_of(mesh, base, np.arange(len(mesh.triangles)), height)
+    return np.where(covered[:, None], own, everywhere)
+
+
+def _fibres_of(
+    mesh: PlanarMesh, base: Array, faces: Indices, height: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the fibres at the nodes of some triangles, zero elsewhere, and which these are."""
     triangles = mesh.triangles[faces]
-    layer = Surface(interface.points, triangles)
+    layer = Surface(base, triangles)
     thirds, corners = np.repeat(layer.area_vectors / 3, 3, axis=0), triangles.ravel()
-    n = len(interface.points)
+    n = len(base)
     sums = np.column_stack([np.bincount(corners, part, minlength=n) for part in thirds.T])
     covered = layer.node_areas > 0
     normals = sums / np.where(covered, np.linalg.norm(sums, axis=1), 1)[:, None]
     flat = Surface(flat_surface(mesh).points, triangles).node_areas
     fibres = np.zeros_like(normals)
     for _ in range(MIDDLE_ROUNDS):
-        middle = Surface(interface.points + fibres / 2, triangles).node_areas
+        middle = Surface(base + fibres / 2, triangles).node_areas
         stretch = np.divide(middle, flat, out=np.ones_like(flat), where=covered)
         fibres = height / stretch[:, None] * normals
-    return fibres
+    return fibres, covered
 
 
 def _walls(mesh: PlanarMesh, faces: Indices, lower: int, upper: int) -> tuple[Indices, Indices]:
@@ -175,10 +222,10 @@ def _walls(mesh: PlanarMesh, faces: Indices, lower: int, upper: int) -> tuple[In
     )
 
 
-def _bent_back_pairs(body: BondedBody, interface: Surface, skin: Skin) -> Indices:
+def _bent_back_pairs(body: BondedBody, reference: Surface, skin: Skin) -> Indices:
     """Return pairs of the skin's triangles that are bent back, (k, 2), the nearest among them."""
     flat = flat_surface(body.mesh)
-    natural, chord = (s.corners.mean(axis=1)[skin.face] for s in (flat, interface))
+    natural, chord = (s.corners.mean(axis=1)[skin.face] for s in (flat, reference))
     corners, points = skin.surface.corners, np.zeros(len(skin.face))
     places = Places(
         Balls(body.shrinkage * natural, points),

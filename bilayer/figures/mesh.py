@@ -1,4 +1,4 @@
-"""The planar mesh with bilayer and bare edges in two colours, as in the paper's figure 1."""
+"""The planar mesh, its edges coloured by the layers there, as in the paper's figure 1."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,8 +6,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.style import MILLIMETRES, new_figure, print_style
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
 
 BILAYER_EDGE, BARE_EDGE = "black", "#D5202A"
 
@@ -18,15 +19,17 @@ def draw_mesh(mesh: PlanarMesh) -> Figure:
     Parameters
     ----------
     mesh : PlanarMesh
-        Edges with a kirigami triangle on either side are black, the others, with the substrate
-        alone on both, red.
+        Edges are black beside a triangle where all layers lie, red where a single one does on
+        either side; in other colours where there are regions between.
     """
     with print_style():
         figure = new_figure(4.6, 4.7)
         axes = figure.add_subplot()
-        bilayer = bilayer_edges(mesh)
-        _draw_edges(axes, mesh, ~bilayer, BARE_EDGE, "bare substrate")
-        _draw_edges(axes, mesh, bilayer, BILAYER_EDGE, "bilayer")
+        region = edge_regions(mesh)
+        colours = region_colours(mesh, BILAYER_EDGE, BARE_EDGE)
+        for number in regions_of(mesh)[::-1]:
+            name = region_name(mesh, number)
+            _draw_edges(axes, mesh, region == number, colours[number], name)
         axes.set_aspect("equal")
         axes.margins(0.03)
         axes.autoscale_view()
@@ -38,12 +41,16 @@ def draw_mesh(mesh: PlanarMesh) -> Figure:
     return figure
 
 
-def bilayer_edges(mesh: PlanarMesh) -> NDArray[np.bool_]:
-    """Return which of `mesh.edges` have a kirigami triangle on either side, shape (e,)."""
-    covered = mesh.triangles[mesh.region == KIRIGAMI]
-    sides = np.concatenate([covered[:, [0, 1]], covered[:, [1, 2]], covered[:, [2, 0]]])
-    count = len(mesh.points)
-    return np.isin(_keys(mesh.edges, count), _keys(np.sort(sides, axis=1), count))
+def edge_regions(mesh: PlanarMesh) -> NDArray[np.int64]:
+    """Return the region that each of `mesh.edges` counts for, that of the most layers, (e,)."""
+    count, found = len(mesh.points), np.full(len(mesh.edges), -1)
+    keys = _keys(mesh.edges, count)
+    for region in regions_of(mesh):
+        own = mesh.triangles[mesh.region == region]
+        sides = np.concatenate([own[:, [0, 1]], own[:, [1, 2]], own[:, [2, 0]]])
+        beside = np.isin(keys, _keys(np.sort(sides, axis=1), count))
+        found[beside & (found < 0)] = region
+    return found
 
 
 def _keys(edges: NDArray[np.int64], count: int) -> NDArray[np.int64]:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
 from bilayer.figures.style import (
     MILLIMETRES,
@@ -19,6 +20,7 @@ from bilayer.figures.style import (
 )
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.comparison import compare, result_label
+from bilayer.results.milestones import along_milestones
 
 QUALITY = "quality (0 hemisphere, 1 flat)"
 PRESTRETCH = "prestretch λ"
@@ -36,7 +38,7 @@ def draw_quality(results: Sequence[xr.Dataset]) -> Figure:
     with print_style():
         figure = new_figure(4.8, 3.8)
         axes = figure.add_subplot()
-        for k, result in enumerate(results):
+        for k, result in enumerate(_each("results", results)):
             stretch, quality = result["prestretch"].values, result["quality"].values
             _draw_line(axes, stretch, quality, k, result_label(result))
             mark_caveats(axes, stretch, quality, is_unstable(result), touches_itself(result))
@@ -81,6 +83,7 @@ def draw_quality_against(shell: xr.Dataset, reference: xr.Dataset) -> Figure:
 
 def draw_comparison(comparison: xr.Dataset) -> Figure:
     """Draw what `bilayer.results.comparison.compare` found: rms distance, quality and height."""
+    comparison = along_milestones(comparison)
     labels = [comparison.attrs["first"], comparison.attrs["second"]]
     stretch = comparison["prestretch"].values
     with print_style():
@@ -118,7 +121,7 @@ def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
     with print_style():
         figure = new_figure(4.8, 3.8)
         axes = figure.add_subplot()
-        for k, comparison in enumerate(comparisons, start=1):
+        for k, comparison in enumerate(_each("comparisons", comparisons), start=1):
             percent = 100 * comparison["rms_distance_over_radius"].values
             label = comparison.attrs["second"]
             stretch = comparison["prestretch"].values
@@ -128,6 +131,13 @@ def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
         _finish(axes)
         figure.legend(loc="outside upper center", ncols=len(comparisons))
     return figure
+
+
+def _each(name: str, datasets: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Return each of several datasets with its milestones along a dimension."""
+    if isinstance(datasets, xr.Dataset):
+        raise InputError(f"{name} = a dataset: expected a list of them")
+    return [along_milestones(dataset) for dataset in datasets]
 
 
 def _against_either(comparison: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -20,18 +20,18 @@ from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.style import (
-    BARE_COLOUR,
-    KIRIGAMI_COLOUR,
     MILLIMETRES,
     new_figure,
     print_style,
 )
 from bilayer.geometry.surface import Surface
 from bilayer.measures.body_frame import body_frame
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
+from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import result_mesh
 from bilayer.results.table import stretch_text, stretches
 
@@ -102,6 +102,7 @@ def draw_shapes(result: xr.Dataset) -> Figure:
 
 def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
     """Stack the views, each a grid of panels, under one legend."""
+    result = along_milestones(result)
     mesh = result_mesh(result)
     shapes = _shapes(result, mesh)
     rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)
@@ -113,10 +114,11 @@ def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
             1 + len(views), 1, height_ratios=[0.5, *heights], squeeze=False
         )[:, 0]
         _draw_legend(legend, result, mesh)
+        colours = _face_colours(mesh)
         for view, frame, part in zip(views, frames, parts, strict=True):
             panels = part.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
             for axes, shape in zip(panels.flat, shapes, strict=False):
-                _draw_shape(axes, shape, mesh.region, view, frame)
+                _draw_shape(axes, shape, colours, view, frame)
             for axes in panels.flat[len(shapes) :]:
                 axes.set_visible(False)
             if view is BIRDS_EYE:
@@ -157,13 +159,11 @@ def _size(frame: Array) -> Array:
     return frame[1] - frame[0]
 
 
-def _draw_shape(
-    axes: Axes, shape: Shape, region: NDArray[np.int64], view: View, frame: Array
-) -> None:
+def _draw_shape(axes: Axes, shape: Shape, colour: Array, view: View, frame: Array) -> None:
     """Draw the triangles from the farthest to the nearest."""
     seen = view.project(shape.surface.corners)
     order = np.argsort(seen[:, :, 2].mean(axis=1))
-    colours = _shaded(shape.surface, region)[order]
+    colours = _shaded(shape.surface, colour)[order]
     # edges in the colour of the faces close the gaps that smoothing would leave between them
     axes.add_collection(
         PolyCollection(
@@ -205,17 +205,25 @@ def _draw_triad(panels: NDArray[Any], view: View, frame: Array) -> None:
 
 
 def _draw_legend(figure: SubFigure, result: xr.Dataset, mesh: PlanarMesh) -> None:
-    patches = [Patch(color=KIRIGAMI_COLOUR, label="bilayer")]
-    if np.any(mesh.region != KIRIGAMI):
-        patches.append(Patch(color=BARE_COLOUR, label="bare substrate"))
-    figure.legend(handles=patches, loc="center", ncols=2, title=result_label(result))
+    colours = region_colours(mesh)
+    patches = [
+        Patch(color=colours[region], label=region_name(mesh, region)) for region in regions_of(mesh)
+    ]
+    columns = min(len(patches), 2) if len(patches) < 5 else 3
+    figure.legend(handles=patches, loc="center", ncols=columns, title=result_label(result))
 
 
-def _shaded(surface: Surface, region: NDArray[np.int64]) -> Array:
-    """Colour of each triangle, by its region and how it faces the light, (m, 3) from 0 to 1.
+def _face_colours(mesh: PlanarMesh) -> Array:
+    """Return the colour of each triangle by the layers there, (m, 3) from 0 to 1."""
+    colours = region_colours(mesh)
+    palette = [to_rgb(colours.get(number, "black")) for number in range(len(mesh.layer_sets))]
+    return np.array(palette)[mesh.region]
+
+
+def _shaded(surface: Surface, base: Array) -> Array:
+    """Return the colour of each triangle by how it faces the light, (m, 3) from 0 to 1.
 
     Half Lambert shading keeps the sides away from the light apart, too.
     """
-    base = np.array([to_rgb(BARE_COLOUR), to_rgb(KIRIGAMI_COLOUR)])[region]
     toward_light = surface.area_vectors @ (LIGHT / np.linalg.norm(LIGHT)) / surface.areas
     return base * (0.35 + 0.65 * ((1 + toward_light) / 2) ** 1.5)[:, None]

@@ -11,6 +11,8 @@ MILLIMETRES = 1e3
 """Millimetres in a metre: lengths are drawn in mm."""
 
 KIRIGAMI_COLOUR, BARE_COLOUR = "#4477AA", "#EEBB44"
+FURTHER_COLOURS = ("#228833", "#AA3377", "#66CCEE", "#CCBB44", "#BBBBBB")
+"""Of regions: all layers, one layer, any between (Paul Tol's bright scheme)."""
 RESULT_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 RESULT_MARKERS = ("o", "s", "^", "D", "v", "P")
 """One per result, in their order (colours: Okabe and Ito 2008, Color universal design)."""

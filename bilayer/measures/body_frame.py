@@ -1,6 +1,7 @@
 """The body's own frame, which a tilt carries along: z is the shape's axis, x the first strip.
 
-z is the normal of the plane fitted to the rim, on the side of the apex. x is where the planar x
+z is the normal of the plane fitted to the rim, the outer boundary of the sheet, on the side of the
+apex. x is where the planar x
 axis, the first strip's centre line, has been carried by the rotation of the body as a whole.
 """
 

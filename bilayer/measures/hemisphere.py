@@ -1,7 +1,8 @@
 """How far a shape is from the hemisphere that it would make if its meridians kept their length.
 
-A disc of radius R has meridians of length R; so has the hemisphere of radius a = 2 R / pi. The
-distance between a surface S and that hemisphere H is the area-weighted symmetric root mean square
+A disc of radius R has meridians of length R; so has the hemisphere of radius a = 2 R / pi. Any
+other sheet is compared with the hemisphere of the disc of its area. The distance between a surface
+S and that hemisphere H is the area-weighted symmetric root mean square
 
     sqrt( (mean over S of d(x, H)^2 + mean over H of d(x, S)^2) / 2 )
 
@@ -38,7 +39,7 @@ def hemisphere_distance(surface: Surface, frame: BodyFrame, flat_radius: float) 
     frame : BodyFrame
         Its own frame, whose z axis is where the search for the best placing starts.
     flat_radius : float
-        Radius R of the flat disc, m.
+        Radius R of the flat disc, m; for any other outline that of the circle of its area.
     """
     radius = 2 * flat_radius / math.pi
     scaled = np.divide(frame.coordinates(surface.points), radius)

@@ -52,4 +52,7 @@ def measure(
         The reference surface, m.
     """
     body = BondedBody.of(specimen, mesh, stretch)
-    return Measures(measure_shape(mesh, position), self_contact_gap(body, position))
+    return Measures(
+        measure_shape(mesh, position, specimen.characteristic_length),
+        self_contact_gap(body, position),
+    )

@@ -40,15 +40,20 @@ class ShapeMeasures:
         return cls(nan, nan, nan, nan, span=np.full(3, nan), height=nan)
 
 
-def measure_shape(mesh: PlanarMesh, position: NDArray[np.float64]) -> ShapeMeasures:
-    """Measure a released shape.
+def measure_shape(
+    mesh: PlanarMesh, position: NDArray[np.float64], flat_radius: float
+) -> ShapeMeasures:
+    """Return the measures of a released shape.
 
     Parameters
     ----------
     mesh : PlanarMesh
         The flat state.
     position : (n, 3) array of float
-        The bonded interface on the nodes of the mesh, m.
+        The reference surface on the nodes of the mesh, m.
+    flat_radius : float
+        Radius of the flat disc, m; for any other outline that of the circle of its area, see
+        `bilayer.specimen.outline.Outline.characteristic_length`.
 
     Returns
     -------
@@ -59,7 +64,6 @@ def measure_shape(mesh: PlanarMesh, position: NDArray[np.float64]) -> ShapeMeasu
     frame = body_frame(mesh, surface.points)
     sphere = fit_sphere(surface)
     span = frame.span(surface.points)
-    flat_radius = outer_radius(mesh)
     return ShapeMeasures(
         quality=quality(sphere, span, flat_radius),
         sphere_radius=sphere.radius,
@@ -84,15 +88,10 @@ def quality(sphere: Sphere, span: NDArray[np.float64], flat_radius: float) -> fl
     span : (3,) array of float
         Extents Lx, Ly, Lz in the body frame, m.
     flat_radius : float
-        Radius of the flat disc, m; with a beyond `FLAT` times it the shape is flat.
+        See `measure_shape`; with a beyond `FLAT` times it the shape is flat.
     """
     a = sphere.radius
     if a > FLAT * flat_radius:
         return 1.0
     misfit = np.mean(np.abs(1 - span / np.array([2 * a, 2 * a, a])))
     return float(min(1.0, misfit + sphere.rmse / a))
-
-
-def outer_radius(mesh: PlanarMesh) -> float:
-    """Return the largest distance of a node of the flat mesh from the origin, m."""
-    return float(np.linalg.norm(mesh.points, axis=1).max())

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.layer_variables import body_name, layer_variables, surface_name
 from bilayer.results.schema import FORMAT, SCHEMA_VERSION, MilestoneState
 from bilayer.runtime.version import git_commit, own_versions
 from bilayer.specimen.settings import settings_to_toml
@@ -106,21 +107,23 @@ def build_result(
     rows = [*known, *[waiting] * (len(milestones) - len(states))]
     result = xr.Dataset(
         {
-            **_planar_variables(mesh),
-            **_position_variables(rows),
+            **_planar_variables(specimen, mesh),
+            **layer_variables(specimen, mesh),
+            **_position_variables(surface_name(specimen), rows),
             **_measure_variables(rows),
             **_count_variables(rows),
         },
         coords=_coordinates(specimen),
         attrs={
             "Conventions": "CF-1.11 UGRID-1.0",
-            "title": f"Released shape of the bilayer {specimen.name!r}",
+            "title": f"Released shape of the {body_name(specimen)} {specimen.name!r}",
             "history": f"computed by {provenance.solver}, model {provenance.model}",
             "format": FORMAT,
             "schema_version": SCHEMA_VERSION,
             "solver": provenance.solver,
             "model": provenance.model,
             "specimen": specimen_to_toml(specimen),
+            "reference_surface": str(specimen.reference_surface),
             "settings": provenance.settings,
             "versions": provenance.versions,
             "git_commit": provenance.git_commit,
@@ -143,7 +146,7 @@ def _measured(
 
 def _coordinates(specimen: Specimen) -> dict[str, Any]:
     pairs = np.array(specimen.prestretch.milestones)
-    note = f"stretch of the {' and the '.join(specimen.prestretch.layers)} when bonded"
+    note = f"stretch of the {' and the '.join(specimen.stretched_layers)} when bonded"
     return {
         "prestretch": (
             "prestretch",
@@ -164,7 +167,8 @@ def _coordinates(specimen: Specimen) -> dict[str, Any]:
     }
 
 
-def _planar_variables(mesh: PlanarMesh) -> dict[str, Any]:
+def _planar_variables(specimen: Specimen, mesh: PlanarMesh) -> dict[str, Any]:
+    surface = surface_name(specimen)
     flat = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     return {
         "midsurface": (
@@ -175,38 +179,27 @@ def _planar_variables(mesh: PlanarMesh) -> dict[str, Any]:
                 "topology_dimension": np.int32(2),
                 "node_coordinates": "reference_x reference_y",
                 "face_node_connectivity": "face_nodes",
-                "long_name": "the bonded interface as a triangle mesh",
+                "long_name": f"the {surface} as a triangle mesh",
             },
         ),
-        "reference_x": ("node", mesh.points[:, 0], _metres("x of the flat bonded interface")),
-        "reference_y": ("node", mesh.points[:, 1], _metres("y of the flat bonded interface")),
-        "reference_position": (("node", "xyz"), flat, _metres("flat bonded interface")),
+        "reference_x": ("node", mesh.points[:, 0], _metres(f"x of the flat {surface}")),
+        "reference_y": ("node", mesh.points[:, 1], _metres(f"y of the flat {surface}")),
+        "reference_position": (("node", "xyz"), flat, _metres(f"flat {surface}")),
         "face_nodes": (
             ("face", "corner"),
             mesh.triangles.astype(np.int32),
             {"cf_role": "face_node_connectivity", "start_index": np.int32(0)},
         ),
-        "region": (
-            "face",
-            mesh.region.astype(np.int32),
-            {
-                "long_name": "layers of the face",
-                "flag_values": np.array([0, 1], dtype=np.int32),
-                "flag_meanings": "bare kirigami",
-                "mesh": "midsurface",
-                "location": "face",
-            },
-        ),
     }
 
 
-def _position_variables(rows: Sequence[MilestoneState]) -> dict[str, Any]:
+def _position_variables(surface: str, rows: Sequence[MilestoneState]) -> dict[str, Any]:
     dims = ("prestretch", "node", "xyz")
     on_nodes = {"mesh": "midsurface", "location": "node"}
     nowhere = np.full_like(rows[0].position, np.nan)
     reached = np.array([row.position if row.converged else nowhere for row in rows])
     variables: dict[str, Any] = {
-        "position": (dims, reached, _metres("released bonded interface") | on_nodes)
+        "position": (dims, reached, _metres(f"released {surface}") | on_nodes)
     }
     if not all(row.converged for row in rows):
         last = np.array([nowhere if row.converged else row.position for row in rows])

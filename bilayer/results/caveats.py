@@ -1,8 +1,15 @@
-"""What speaks against the shape of a milestone: it is not stable, or it passes through itself."""
+"""What speaks against a shape: it is not stable, passes through itself, or is of a thick shell."""
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from bilayer.specimen.specimen import Specimen
+
+THICKEST_SHELL = 0.1
+"""Whole thickness over the characteristic length up to which a shell stands for the solid.
+
+Its source is the table of distances between the two solvers in docs/verification.md."""
 
 
 def is_unstable(result: xr.Dataset) -> NDArray[np.bool_]:
@@ -31,3 +38,13 @@ def caveats(result: xr.Dataset) -> list[str]:
         strict=True,
     )
     return [", ".join(filter(None, pair)) for pair in words]
+
+
+def thickness_share(specimen: Specimen) -> float:
+    """Return the natural thickness of all layers together over the characteristic length."""
+    return sum(layer.thickness for layer in specimen.layers) / specimen.characteristic_length
+
+
+def is_thick(specimen: Specimen) -> bool:
+    """Whether a sheet is so thick that a shell does not stand for it, see `THICKEST_SHELL`."""
+    return thickness_share(specimen) > THICKEST_SHELL * (1 + 1e-9)

@@ -4,7 +4,7 @@ The rms distance is taken over the nodes of the bonded interface, by their flat 
 the rigid motion that makes it least. Everything else is each result's own measure, side by side.
 """
 
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.geometry.alignment import rms_distance
-from bilayer.measures.shape import outer_radius
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.caveats import is_unstable, touches_itself
+from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.specimen.layer import Layer
 from bilayer.specimen.specimen import MeshSize, Specimen
 
 MEASURES = (
@@ -59,6 +60,7 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
         The specimens differ other than in name, mesh size and milestones, the meshes differ, or
         no milestone is common.
     """
+    first, second = along_milestones(first), along_milestones(second)
     _check_same_specimen(result_specimen(first), result_specimen(second))
     mesh = result_mesh(first)
     _check_same_mesh(mesh, result_mesh(second))
@@ -70,8 +72,11 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
         rms_distance=("prestretch", distance, {"units": "m", "long_name": "rms distance"}),
         rms_distance_over_radius=(
             "prestretch",
-            distance / outer_radius(mesh),
-            {"units": "1", "long_name": "rms distance over the flat disc's radius"},
+            distance / result_specimen(first).characteristic_length,
+            {
+                "units": "1",
+                "long_name": "rms distance over the flat sheet's radius",
+            },
         ),
     )
     compared.attrs = {"first": result_label(first), "second": result_label(second)}
@@ -85,6 +90,7 @@ def _measures(result: xr.Dataset) -> xr.Dataset:
 
 def comparison_table(comparison: xr.Dataset) -> str:
     """Return a comparison as text: a line per milestone, a and b side by side, units on top."""
+    comparison = along_milestones(comparison)
     sides = (("a", comparison.isel(result=0)), ("b", comparison.isel(result=1)))
     percent = 100 * comparison["rms_distance_over_radius"]
     columns = {
@@ -132,13 +138,23 @@ def _differences(field: str, mine: Any, other: Any) -> list[tuple[str, Any, Any]
     """Fields, by dotted name, in which two nested dataclasses differ, with their values."""
     if mine == other:
         return []
-    if type(mine) is not type(other) or not hasattr(mine, "__dataclass_fields__"):
+    parts, others = _parts(mine), _parts(other)
+    if type(mine) is not type(other) or list(parts) != list(others) or not parts:
         return [(field, mine, other)]
     return [
         difference
-        for name in mine.__dataclass_fields__
-        for difference in _differences(f"{field}.{name}", getattr(mine, name), getattr(other, name))
+        for name in parts
+        for difference in _differences(f"{field}.{name}", parts[name], others[name])
     ]
+
+
+def _parts(value: Any) -> dict[str, Any]:
+    """Return the fields of a dataclass, or several layers, by name; nothing of a plain value."""
+    if is_dataclass(value):
+        return {field.name: getattr(value, field.name) for field in fields(value)}
+    if isinstance(value, tuple) and all(isinstance(part, Layer) for part in value):
+        return {layer.name: layer for layer in value}
+    return {}
 
 
 def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
@@ -153,10 +169,14 @@ def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
 def _common_milestones(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the places of the common milestones in either result."""
+    """Return the places of the common milestones in either result.
+
+    The first visit of a prestretch is compared with the first one of the other result, and so on.
+    """
     mine, other = stretches(first), stretches(second)
-    apart = np.abs(mine[:, None] - other[None]).max(axis=2)
-    here, there = np.nonzero(apart < SAME_STRETCH)
+    same = np.abs(mine[:, None] - other[None]).max(axis=2) < SAME_STRETCH
+    same &= _visits(mine)[:, None] == _visits(other)[None]
+    here, there = np.nonzero(same)
     if len(here) == 0:
         listed, others = (", ".join(stretch_text(p) for p in pairs) for pairs in (mine, other))
         raise InputError(
@@ -164,6 +184,12 @@ def _common_milestones(
             "expected a common one"
         )
     return here, there
+
+
+def _visits(pairs: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return how often each milestone's prestretch stands before it in the list, shape (n,)."""
+    same = np.abs(pairs[:, None] - pairs[None]).max(axis=2) < SAME_STRETCH
+    return np.tril(same, k=-1).sum(axis=1)
 
 
 def _distances(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.files import write_mesh_file
+from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
 
@@ -50,9 +51,8 @@ def convert_result(
     ComputationError
         Writing failed, for example on a full disk.
     """
-    shape_of = PARTS[one_of("part", part, PARTS)]
-    milestone = _reached(result, prestretch)[-1]
-    write_mesh_file(shape_of(result.isel(prestretch=milestone)), path)
+    result = along_milestones(result)
+    _write(result, path, _reached(result, prestretch)[-1], part)
 
 
 def convert_milestones(
@@ -60,18 +60,25 @@ def convert_milestones(
 ) -> list[Path]:
     """Write every shape that was reached, each to a file of its own; see `convert_result`.
 
-    The prestretch is put before the ending: shape.vtu becomes shape_1.03.vtu, shape_1.06.vtu, ...
+    The prestretch is put before the ending: shape.vtu becomes shape_1.03.vtu, shape_1.06.vtu, ...,
+    and shape_1.03_2.vtu for a second milestone with that prestretch.
 
     Returns
     -------
     list of Path
         The files written.
     """
-    stretches = [float(value) for value in result["prestretch"].values[_reached(result, None)]]
-    names = [_with_prestretch(Path(path), stretch) for stretch in stretches]
-    for stretch, name in zip(stretches, names, strict=True):
-        convert_result(result, name, stretch, part)
+    result = along_milestones(result)
+    milestones = _reached(result, None)
+    names = _with_prestretches(Path(path), result["prestretch"].values[milestones])
+    for milestone, name in zip(milestones, names, strict=True):
+        _write(result, name, int(milestone), part)
     return names
+
+
+def _write(result: xr.Dataset, path: str | Path, milestone: int, part: str) -> None:
+    shape_of = PARTS[one_of("part", part, PARTS)]
+    write_mesh_file(shape_of(result.isel(prestretch=milestone)), path)
 
 
 def _reached(result: xr.Dataset, prestretch: float | None) -> NDArray[np.int64]:
@@ -87,8 +94,11 @@ def _reached(result: xr.Dataset, prestretch: float | None) -> NDArray[np.int64]:
     return np.flatnonzero(converged)
 
 
-def _with_prestretch(path: Path, prestretch: float) -> Path:
-    return path.with_name(f"{path.stem}_{prestretch:.10g}{path.suffix}")
+def _with_prestretches(path: Path, stretches: NDArray[np.float64]) -> list[Path]:
+    texts = [f"{stretch:.10g}" for stretch in stretches]
+    counts = [texts[:k].count(text) + 1 for k, text in enumerate(texts)]
+    ends = [text if n == 1 else f"{text}_{n}" for text, n in zip(texts, counts, strict=True)]
+    return [path.with_name(f"{path.stem}_{end}{path.suffix}") for end in ends]
 
 
 def _midsurface(shape: xr.Dataset) -> meshio.Mesh:

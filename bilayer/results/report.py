@@ -6,14 +6,19 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
 from bilayer.results.effort import effort_lines
+from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
-from bilayer.specimen.specimen import CutPattern, Specimen
+from bilayer.specimen.layer import BondedLayer, Response
+from bilayer.specimen.materials import stability_warning
+from bilayer.specimen.specimen import Specimen
 
 
 def result_table(result: xr.Dataset) -> str:
     """Return one line per milestone, under two of titles and units: shape, stability, effort."""
+    result = along_milestones(result)
     span = result["span"].values
     columns = {
         ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
@@ -37,12 +42,12 @@ def result_table(result: xr.Dataset) -> str:
 
 def provenance(result: xr.Dataset) -> str:
     """Return what made a result: solver, specimen, mesh, settings, versions, and its table."""
+    result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: radius {1e3 * specimen.outer_radius:g} mm, "
-        + ("uncut" if specimen.cut is None else _cut(specimen.cut)),
+        f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
         *_layers(specimen),
         f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -92,7 +97,13 @@ def trust(result: xr.Dataset) -> str:
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    return f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}{missing}"
+    sentences = [
+        _trust_as_equilibrium(result),
+        _trust_without_contact(result),
+        *thickness_warnings(result),
+        *law_warnings(result),
+    ]
+    return " ".join(sentences) + missing
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -106,6 +117,20 @@ def _trust_as_equilibrium(result: xr.Dataset) -> str:
         unstable = ", ".join(map(stretch_text, stretches(result)[done][modes > 0]))
         return f"{solved}; NOT STABLE at {unstable}: another shape has less energy."
     return f"{solved}, and stable."
+
+
+def law_warnings(result: xr.Dataset) -> list[str]:
+    """Return a sentence for each layer that a milestone stretches beyond its law's stability."""
+    specimen = result_specimen(result)
+    reached = stretches(result)[result["converged"].values == 1]
+    bonded = [specimen.bonded_layers((float(x), float(y))) for x, y in reached]
+    warnings = [
+        stability_warning(
+            parts[0].name, parts[0].layer.material, [part.principal_stretches for part in parts]
+        )
+        for parts in zip(*bonded, strict=True)
+    ]
+    return list(filter(None, warnings))
 
 
 def _trust_without_contact(result: xr.Dataset) -> str:
@@ -126,13 +151,31 @@ def _trust_without_contact(result: xr.Dataset) -> str:
     )
 
 
+def thickness_warnings(result: xr.Dataset) -> list[str]:
+    """Return a sentence if the sheet of a shell's result is too thick for a shell."""
+    specimen = result_specimen(result)
+    if result.attrs["solver"] != "dshell" or not is_thick(specimen):
+        return []
+    return [
+        f"The sheet is TOO THICK FOR A SHELL: its whole thickness is "
+        f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
+        f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
+    ]
+
+
 def _settings(result: xr.Dataset) -> dict[str, object]:
     return tomllib.loads(result.attrs["settings"])
 
 
-def _cut(cut: CutPattern) -> str:
-    inner = 1e3 * cut.inner_radius
-    return f"{cut.strips} strips, cutouts of {cut.cutout_angle:g} rad from {inner:g} mm outward"
+def _cuts(specimen: Specimen) -> str:
+    """Say which patterns there are, each with its layers if there is more than one."""
+    layers: dict[str, list[str]] = {}
+    for layer in specimen.layers:
+        if layer.pattern is not None:
+            layers.setdefault(layer.pattern.words, []).append(layer.name)
+    if len(layers) < 2:
+        return next(iter(layers), "uncut")
+    return "; ".join(f"{' and '.join(names)}: {words}" for words, names in layers.items())
 
 
 def _layers(specimen: Specimen) -> list[str]:
@@ -141,10 +184,26 @@ def _layers(specimen: Specimen) -> list[str]:
     for part in specimen.bonded_layers((1.0, 1.0)):
         material = part.layer.material
         line = (
-            f"{part.name:<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
+            f"{part.name + ' ':<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
             f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
         )
-        if part.name in specimen.prestretch.layers:
-            line += f", stretched, bonded thickness {specimen.prestretch.thickness}"
-        lines.append(f"{line}, {'above' if part.is_above else 'below'}")
+        if part.layer.is_stretched:
+            line += f", stretched{_response(part.layer.response)}"
+            line += f", bonded thickness {specimen.prestretch.thickness}"
+        lines.append(f"{line}, {_place(part)}")
     return lines
+
+
+def _place(part: BondedLayer) -> str:
+    """Say where a layer lies, seen from the reference surface."""
+    if part.is_above:
+        return "above"
+    return "below" if part.top <= 0 else "in the middle"
+
+
+def _response(response: Response) -> str:
+    """Say how a layer is stretched if it is not as the path has it."""
+    words = "" if response.kind == "path" else " by {:g} and {:g}".format(*response.stretch)
+    if response.factor != 1:
+        words += f" {response.factor:g} times as much"
+    return words + (f" at {response.angle:g} rad" if response.angle else "")

@@ -92,4 +92,5 @@ def result_mesh(result: xr.Dataset) -> PlanarMesh:
         result["reference_position"].values[:, :2],
         result["face_nodes"].values,
         result["region"].values,
+        result_specimen(result).layer_sets,
     )

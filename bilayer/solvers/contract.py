@@ -281,8 +281,9 @@ class Solver:
         A class attribute `stopping_is_a_result` says that a run that stops early succeeds.
     parallel : bool
         Whether the ranks of mpirun share one path.
-    bytes_per_triangle : float
-        Memory that a run takes, for the check before it.
+    bytes_per_triangle : callable
+        Returns the memory that a run of a specimen takes, with the settings of a model, for each
+        triangle of the planar mesh.
     default_start : str
         One of `bilayer.solvers.registry.STARTS`.
     open_path : OpenPath
@@ -292,6 +293,6 @@ class Solver:
     name: str
     models: Mapping[str, type]
     parallel: bool
-    bytes_per_triangle: float
+    bytes_per_triangle: Callable[[Specimen, Any], float]
     default_start: str
     open_path: OpenPath

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.specimen.specimen import LAYERS, Specimen
+from bilayer.specimen.specimen import Specimen
 
 Stretch = tuple[float, float]
 
@@ -70,16 +70,17 @@ def parameter_value(specimen: Specimen, stretch: Stretch, parameter: str) -> flo
             return stretch["xy".index(axis)]
         case ["gravity"]:
             return specimen.gravity
-        case [layer, ("thickness" | "density") as name] if layer in LAYERS:
-            return float(getattr(getattr(specimen, layer), name))
-        case [layer, "material", name] if layer in LAYERS:
-            material = getattr(specimen, layer).material
+        case [layer, ("thickness" | "density") as name] if layer in specimen.layer_names:
+            return float(getattr(specimen.layer(layer), name))
+        case [layer, "material", name] if layer in specimen.layer_names:
+            material = specimen.layer(layer).material
             constant = _constant(material, name)
             if constant is not None:
                 return float(getattr(material, constant))
     raise InputError(
         f"parameter = {parameter!r}: expected prestretch, prestretch.x, prestretch.y, gravity, or "
-        f"LAYER.thickness, LAYER.density or LAYER.material.CONSTANT with a layer of {list(LAYERS)}"
+        "LAYER.thickness, LAYER.density or LAYER.material.CONSTANT with a layer of "
+        f"{list(specimen.layer_names)}"
     )
 
 
@@ -96,20 +97,22 @@ def changed(
         case ["gravity"]:
             return replace(specimen, gravity=value), stretch
         case [layer, "material", name]:
-            material = getattr(specimen, layer).material
+            material: Any = specimen.layer(layer).material
             material = replace(material, **{str(_constant(material, name)): value})
-            return _with_layer(specimen, layer, material=material), stretch
+            return specimen.with_layer(layer, material=material), stretch
         case [layer, name]:
-            return _with_layer(specimen, layer, **{name: value}), stretch
+            return specimen.with_layer(layer, **{name: value}), stretch
     raise AssertionError(parameter)
 
 
 def _constant(material: Any, name: str) -> str | None:
-    """Return the field of a law's constant, in whatever case its name is; None: there is none."""
-    names = {field.name.casefold(): field.name for field in fields(material) if field.init}
+    """Return the field of a law's constant, in whatever case its name is; None: there is none.
+
+    Constants that are lists of numbers, as those of Ogden's law, are not among them.
+    """
+    names = {
+        field.name.casefold(): field.name
+        for field in fields(material)
+        if field.init and isinstance(getattr(material, field.name), (int, float))
+    }
     return names.get(name.casefold())
-
-
-def _with_layer(specimen: Specimen, name: str, **changes: Any) -> Specimen:
-    layer = replace(getattr(specimen, name), **changes)
-    return replace(specimen, **{name: layer})

@@ -150,9 +150,9 @@ def agree(first: xr.Dataset, second: xr.Dataset) -> bool:
     The positions of all nodes agree to `AGREEMENT` times the outer radius.
     """
     reached = np.array_equal(first["converged"].values, second["converged"].values)
-    radius = result_specimen(first).outer_radius
+    length = result_specimen(first).characteristic_length
     distance = _largest(first["position"].values, second["position"].values)
-    return reached and bool(distance <= AGREEMENT * radius)
+    return reached and bool(distance <= AGREEMENT * length)
 
 
 def _word(value: Any) -> str:

@@ -6,12 +6,13 @@
 
 import dataclasses
 from collections.abc import Iterable, Mapping
+from numbers import Real
 from typing import Any, TypeVar
 
 import tomli_w
 
 from bilayer.errors import InputError
-from bilayer.specimen.toml import toml_value
+from bilayer.specimen.overrides import toml_value
 from bilayer.validation import nearest
 
 Settings = TypeVar("Settings")
@@ -87,8 +88,12 @@ def _converted(name: str, value: Any, default: Any) -> Any:
     read = toml_value(value) if isinstance(value, str) and not isinstance(default, str) else value
     if isinstance(default, bool) != isinstance(read, bool):
         raise InputError(f"solver.{name} = {value}: expected {_kind_name(default)}")
-    if isinstance(default, float) and isinstance(read, int):
-        return float(read)
+    if isinstance(read, Real) and not isinstance(default, bool):
+        number = float(read)
+        if isinstance(default, float):
+            return number
+        if isinstance(default, int) and number.is_integer():
+            return int(number)
     if default is not None and not isinstance(read, type(default)):
         raise InputError(f"solver.{name} = {value}: expected {_kind_name(default)}")
     return read

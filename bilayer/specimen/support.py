@@ -4,16 +4,26 @@ That takes the rigid motion away and nothing else. Loads in balance leave nothin
 three nodes do that span an angle. A weight is carried there, and it matters where: a weighted body
 is held at its centre, as if clamped there, by the three nodes nearest to it, so that no part far
 from the centre is lifted, and the tangent plane of the centre stays level as far as the mesh tells.
+A sheet with a hole in its middle is held at the edge of the hole.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
+
+Array = NDArray[np.float64]
+Place = tuple[float, float] | Array
+
 HeldNodes = tuple[int, int, int]
 """The one held in x, y and z, the one along x from it held in y and z, and the one held in z."""
 
+LEAST_SINE = 0.3
+"""Of the angle between the arms to the two other nodes, and of the first arm with the y axis."""
+ORIGIN: Place = (0.0, 0.0)
 
-def support(points: NDArray[np.float64], gravity: float) -> HeldNodes:
+
+def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
     """Choose where a body is held, by whether it has a weight; see the module.
 
     Parameters
@@ -22,34 +32,52 @@ def support(points: NDArray[np.float64], gravity: float) -> HeldNodes:
         Nodes of the flat state, m.
     gravity : float
         Acceleration of the weight, m/s2.
+    centre : (float, float)
+        Centroid of the sheet, m.
     """
-    return clamped_at_centre(points) if gravity else held_upright(points)
+    return clamped_at_centre(points, centre) if gravity else held_upright(points, centre)
 
 
-def held_upright(points: NDArray[np.float64]) -> HeldNodes:
-    """Choose the node nearest to the origin and those a third of the radius away along x and y.
+def held_upright(points: Array, centre: Place = ORIGIN) -> HeldNodes:
+    """Choose the node nearest to the centre and those a third of the radius away along x and y.
 
     Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
     """
-    arms = _arms(points)
+    arms = _arms(points, centre)
     return _held_at(arms, np.linalg.norm(arms, axis=1).max() / 3)
 
 
-def clamped_at_centre(points: NDArray[np.float64]) -> HeldNodes:
-    """Choose the node nearest to the origin and its neighbours along x and y."""
-    arms = _arms(points)
+def clamped_at_centre(points: Array, centre: Place = ORIGIN) -> HeldNodes:
+    """Choose the node nearest to the centre and its neighbours along x and y."""
+    arms = _arms(points, centre)
     return _held_at(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
 
 
-def _arms(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the ways to all nodes from the one nearest to the origin, m."""
-    return points - points[np.argmin(np.linalg.norm(points, axis=1))]
+def _arms(points: Array, centre: Place) -> Array:
+    """Return the ways to all nodes from the one nearest to the centre, m."""
+    return points - points[np.argmin(np.linalg.norm(points - centre, axis=1))]
 
 
-def _held_at(arms: NDArray[np.float64], reach: float) -> HeldNodes:
-    taken: list[int] = []
-    for target in ((0.0, 0.0), (reach, 0.0), (0.0, reach)):
-        distance = np.linalg.norm(arms - target, axis=1)
-        distance[taken] = np.inf
-        taken.append(int(np.argmin(distance)))
-    return taken[0], taken[1], taken[2]
+def _held_at(arms: Array, reach: float) -> HeldNodes:
+    """Return the node of no arm and those whose arms are about `reach` long along x and y."""
+    first = int(np.argmin(np.linalg.norm(arms, axis=1)))
+    along = _nearest(arms, (reach, 0.0), (0.0, 1.0))
+    across = _nearest(arms, (0.0, reach), arms[along])
+    return first, along, across
+
+
+def _nearest(arms: Array, target: Place, aside: Place) -> int:
+    """Return the node whose arm ends nearest to a target, of those not nearly along a direction.
+
+    If all are, as on a thin strip, return the one that reaches farthest from the direction.
+    """
+    x, y = np.divide(aside, np.linalg.norm(aside))
+    sideways = np.abs(arms[:, 0] * y - arms[:, 1] * x)
+    length = np.linalg.norm(arms, axis=1)
+    spans = (sideways >= LEAST_SINE * length) & (length > 0)
+    if not spans.any():
+        if sideways.max() <= 1e-9 * length.max():
+            raise InputError("points: all lie on a line, expected a sheet")
+        return int(np.argmax(sideways))
+    distance = np.linalg.norm(arms - target, axis=1)
+    return int(np.argmin(np.where(spans, distance, np.inf)))

@@ -1,9 +1,10 @@
-"""The specimen as a TOML file: reading, overriding single keys by dotted name, writing.
+"""The specimen as a TOML file, read and written.
 
-The tables and keys are the public contract of the project; `template()` is its commented example.
+A file has one of two forms: `[cut] [substrate] [kirigami]`, short, for the disc of two layers, and
+`[[layers]] [patterns.NAME] [materials.NAME]` for any other sheet. The tables and keys are the
+public contract of the project; `template()` is the commented example of the short form.
 """
 
-import copy
 import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
@@ -13,32 +14,21 @@ from typing import Any
 import tomli_w
 
 from bilayer.errors import InputError
-from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.specimen.specimen import CutPattern, Layer, MeshSize, Prestretch, Specimen
-from bilayer.validation import nearest, one_of
+from bilayer.specimen.long_form import LONG_TABLES, sheet_from_tables, sheet_to_tables
+from bilayer.specimen.overrides import with_overrides
+from bilayer.specimen.short_form import (
+    bilayer_from_tables,
+    bilayer_of,
+    bilayer_to_tables,
+    short_tables,
+)
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.tables import as_table
+from bilayer.specimen.units import UNITS
+from bilayer.validation import nearest
 
-LAWS: dict[str, Any] = {
-    "mooney-rivlin": MooneyRivlin,
-    "neo-hookean": NeoHookean,
-    "linear": LinearElastic,
-}
-_MODULI = ("young_modulus", "poisson_ratio", "c01_over_c10")
-_CONSTANTS = ("c10", "c01", "d1")
-_LAYER = ("thickness", "law", *_MODULI, *_CONSTANTS, "density")
-_LAW_KEYS = {
-    "mooney-rivlin": (*_MODULI, *_CONSTANTS),
-    "neo-hookean": ("young_modulus", "poisson_ratio", "c10", "d1"),
-    "linear": ("young_modulus", "poisson_ratio"),
-}
-TABLES: dict[str, tuple[str, ...]] = {
-    "specimen": ("name", "outer_radius"),
-    "cut": ("strips", "inner_radius", "cutout_angle"),
-    "substrate": _LAYER,
-    "kirigami": (*_LAYER, "side"),
-    "prestretch": ("milestones", "layers", "thickness"),
-    "gravity": ("acceleration",),
-    "mesh": ("size", "corner_size"),
-}
+USUAL_SIZES = (1e-4, 1.0)
+"""Characteristic lengths of a sheet that are taken without a question, m."""
 
 
 def template() -> str:
@@ -71,174 +61,83 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text file"
         raise InputError(f"specimen file {path}: cannot be read ({reason})") from error
-    return parse_specimen(text, overrides, source=str(path))
+    return parse_specimen_file(text, overrides, source=str(path))
+
+
+def parse_specimen_file(
+    text: str, overrides: Iterable[str] = (), source: str = "specimen text"
+) -> Specimen:
+    """Read a specimen from the text of a user's file; see `read_specimen`.
+
+    Unlike `parse_specimen` it asks, by an InputError, whether the unit is meant where a sheet of
+    more than a metre or less than 0.1 mm is written without one.
+    """
+    data = _tables(text, overrides, source)
+    specimen = specimen_from_tables(data)
+    size = specimen.characteristic_length
+    smallest, largest = USUAL_SIZES
+    if not smallest <= size <= largest and not _has_units(data["specimen"]):
+        raise InputError(
+            f"specimen: the sheet has a radius of {size:g} m, a bare number is in metres: is that "
+            f'meant? expected from {smallest:g} to {largest:g} m, or a unit, as in "{size:g} m"'
+        )
+    return specimen
 
 
 def parse_specimen(
     text: str, overrides: Iterable[str] = (), source: str = "specimen text"
 ) -> Specimen:
     """Read a specimen from TOML text; see `read_specimen`."""
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source}: not a valid TOML file ({error})") from error
-    return specimen_from_tables(with_overrides(data, overrides))
-
-
-def with_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
-    """Return the tables with `"table.key=value"` texts applied.
-
-    Raises
-    ------
-    InputError
-        An override is not of that form or names no key of a specimen.
-    """
-    tables = copy.deepcopy(dict(data))
-    for override in overrides:
-        name, separator, value = override.partition("=")
-        table, dot, key = name.strip().partition(".")
-        if not (separator and dot and key):
-            raise InputError(f"override {override!r}: expected table.key=value")
-        _check_known(table, key)
-        if not isinstance(tables.setdefault(table, {}), dict):
-            raise InputError(f"{table} = {tables[table]!r}: expected a table [{table}]")
-        tables[table][key] = toml_value(value)
-    return tables
-
-
-def toml_value(text: str) -> Any:
-    """Return `text` read as one TOML value, or as a plain string where it is none."""
-    try:
-        table = tomllib.loads(f"value = {text.strip()}")
-    except tomllib.TOMLDecodeError:
-        return text.strip()
-    return table["value"] if list(table) == ["value"] else text
+    return specimen_from_tables(_tables(text, overrides, source))
 
 
 def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:
     """Return the specimen of parsed TOML tables; see `read_specimen` for what is raised."""
+    short, is_long = short_tables(), "layers" in data
+    known: Mapping[str, Any] = LONG_TABLES if is_long else short
     for table, content in data.items():
-        if table not in TABLES:
-            known = f"expected [{'], ['.join(TABLES)}]"
-            raise InputError(f"[{table}]: unknown table, {known}{nearest(table, TABLES)}")
-        if not isinstance(content, Mapping):
-            raise InputError(f"{table} = {content!r}: expected a table [{table}]")
-        for key in content:
-            _check_known(table, key)
-    cut = data.get("cut")
-    kirigami = dict(data.get("kirigami", {}))
-    side = kirigami.pop("side", "above")
-    name = data.get("specimen", {}).get("name", "specimen")
-    if not isinstance(name, str):
-        raise InputError(f"specimen.name = {name!r}: expected a text")
-    return Specimen(
-        name=name,
-        outer_radius=_required(data, "specimen", "outer_radius"),
-        cut=None if cut is None else _cut(data),
-        substrate=_layer("substrate", data.get("substrate", {})),
-        kirigami=_layer("kirigami", kirigami),
-        prestretch=Prestretch(
-            milestones=_required(data, "prestretch", "milestones"),
-            **{
-                key: data["prestretch"][key]
-                for key in ("thickness", "layers")
-                if key in data["prestretch"]
-            },
-        ),
-        gravity=data.get("gravity", {}).get("acceleration", 0.0),
-        mesh=MeshSize(**data.get("mesh", {})),
-        kirigami_side=side,
-    )
+        if table not in known:
+            raise InputError(_why_unknown(table, known, is_long))
+        if table != "layers":
+            as_table(table, content)
+    return sheet_from_tables(data) if is_long else bilayer_from_tables(data)
 
 
 def specimen_to_toml(specimen: Specimen) -> str:
-    """Return the TOML text that reads back as the same specimen.
+    """Return the TOML text that reads back as the same specimen, the short form where it can be.
 
     Materials are written by the constants that they hold, so that no digit is lost.
     """
-    tables: dict[str, Any] = {
-        "specimen": {"name": specimen.name, "outer_radius": specimen.outer_radius}
-    }
-    if specimen.cut is not None:
-        tables["cut"] = {key: getattr(specimen.cut, key) for key in TABLES["cut"]}
-    tables["substrate"] = _layer_table(specimen.substrate)
-    tables["kirigami"] = _layer_table(specimen.kirigami) | {"side": specimen.kirigami_side}
-    tables["prestretch"] = {
-        "milestones": [x if x == y else [x, y] for x, y in specimen.prestretch.milestones],
-        "layers": list(specimen.prestretch.layers),
-        "thickness": specimen.prestretch.thickness,
-    }
-    tables["gravity"] = {"acceleration": specimen.gravity}
-    tables["mesh"] = {key: value for key, value in vars(specimen.mesh).items() if value is not None}
-    return tomli_w.dumps(tables)
+    bilayer = bilayer_of(specimen)
+    if bilayer is None:
+        return tomli_w.dumps(sheet_to_tables(specimen))
+    return tomli_w.dumps(bilayer_to_tables(specimen, bilayer))
 
 
-def _check_known(table: str, key: str) -> None:
-    if table not in TABLES:
-        raise InputError(f"{table}.{key}: unknown table {table!r}{nearest(table, TABLES)}")
-    if key not in TABLES[table]:
-        expected = f"expected one of {', '.join(TABLES[table])}"
-        raise InputError(f"{table}.{key}: unknown key, {expected}{nearest(key, TABLES[table])}")
-
-
-def _required(data: Mapping[str, Any], table: str, key: str) -> Any:
+def _tables(text: str, overrides: Iterable[str], source: str) -> dict[str, Any]:
     try:
-        return data[table][key]
-    except KeyError:
-        raise InputError(f"{table}.{key}: missing, expected a value in table [{table}]") from None
-
-
-def _cut(data: Mapping[str, Any]) -> CutPattern:
-    return CutPattern(**{key: _required(data, "cut", key) for key in TABLES["cut"]})
-
-
-def _layer(table: str, content: Mapping[str, Any]) -> Layer:
-    thickness = _required({table: content}, table, "thickness")
-    law = one_of(f"{table}.law", content.get("law", "mooney-rivlin"), LAWS)
-    given = {
-        key: value for key, value in content.items() if key not in ("thickness", "law", "density")
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source}: not a valid TOML file ({error})") from error
+    forms = (short_tables(), LONG_TABLES)
+    known = {
+        table: dict.fromkeys(key for form in forms for key in form.get(table, ()))
+        for form in forms
+        for table in form
     }
-    for key in given:
-        if key not in _LAW_KEYS[law]:
-            raise InputError(
-                f"{table}.{key}: not a constant of law = {law!r}, "
-                f"expected {', '.join(_LAW_KEYS[law])}"
-            )
-    try:
-        return Layer(thickness, _material(law, given), content.get("density", 960.0))
-    except InputError as error:
-        raise InputError(f"{table}.{error}") from error
+    return with_overrides(data, overrides, known)
 
 
-def _material(law: str, given: Mapping[str, Any]) -> Law:
-    by_constants = [key for key in given if key in _CONSTANTS]
-    by_moduli = [key for key in given if key in _MODULI]
-    if by_constants and by_moduli:
-        raise InputError(
-            f"{by_constants[0]}: given together with {by_moduli[0]}, expected either "
-            f"{', '.join(_CONSTANTS)} or {', '.join(_MODULI)}"
-        )
-    if by_constants:
-        needed = [key for key in _CONSTANTS if key in _LAW_KEYS[law]]
-        _check_complete(given, needed)
-        return LAWS[law](**given)
-    _check_complete(given, ["young_modulus", "poisson_ratio"])
-    return LAWS[law](**given) if law == "linear" else LAWS[law].from_moduli(**given)
+def _why_unknown(table: str, known: Iterable[str], is_long: bool) -> str:
+    if is_long and table in short_tables():
+        return f"[{table}]: not together with [[layers]], expected it as one of them"
+    if not is_long and table in LONG_TABLES:
+        return f"[{table}]: expected together with [[layers]], of which there are none"
+    listed = f"expected [{'], ['.join(known)}]"
+    return f"[{table}]: unknown table, {listed}{nearest(table, known)}"
 
 
-def _check_complete(given: Mapping[str, Any], needed: list[str]) -> None:
-    for key in needed:
-        if key not in given:
-            raise InputError(f"{key}: missing, expected {' and '.join(needed)}")
-
-
-def _layer_table(layer: Layer) -> dict[str, Any]:
-    law = next(name for name, kind in LAWS.items() if type(layer.material) is kind)
-    constants = vars(layer.material)
-    keys = _LAW_KEYS[law] if law == "linear" else [k for k in _CONSTANTS if k in _LAW_KEYS[law]]
-    return {
-        "thickness": layer.thickness,
-        "law": law,
-        **{key: constants[key] for key in keys},
-        "density": layer.density,
-    }
+def _has_units(sheet: Mapping[str, Any]) -> bool:
+    """Whether any length of the outline is a text."""
+    lengths = {**sheet, **sheet.get("outline", {})}
+    return any(isinstance(lengths[key], str) for key in lengths if UNITS.get(key) == "m")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from bilayer.mesh.generation import estimated_triangles
+from bilayer.mesh.generation import check_memory, estimated_triangles
 from bilayer.results.schema import SCHEMA_VERSION
 from bilayer.solvers.registry import solver_named
 from bilayer.specimen.settings import settings_to_toml
@@ -58,8 +58,7 @@ class Case:
     @property
     def mesh_identity(self) -> str:
         """Hash of what the planar mesh is made from: cases of one hash share their mesh."""
-        specimen = self.specimen
-        return _hash([specimen.outer_radius, repr(specimen.cut), repr(specimen.mesh)])
+        return _hash(self.specimen.flat_identity)
 
     @cached_property
     def triangles(self) -> float:
@@ -76,9 +75,22 @@ class Case:
         """Estimated memory of the process that computes it, bytes."""
         return BYTES_OF_A_PROCESS + self._model_memory
 
+    def check_memory(self, available: float) -> None:
+        """Raise NotEnoughMemoryError if its process would take more than is available, bytes."""
+        check_memory(
+            self.specimen,
+            self._bytes_per_triangle,
+            f"the solver {self.solver!r}",
+            max(available - BYTES_OF_A_PROCESS, 0.0),
+        )
+
     @property
     def _model_memory(self) -> float:
-        return self.triangles * float(solver_named(self.solver).bytes_per_triangle)
+        return self.triangles * self._bytes_per_triangle
+
+    @property
+    def _bytes_per_triangle(self) -> float:
+        return solver_named(self.solver).bytes_per_triangle(self.specimen, self.settings)
 
     @property
     def cost(self) -> float:

@@ -8,13 +8,13 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from bilayer.errors import InputError, NotWrittenError
+from bilayer.errors import InputError, NotEnoughMemoryError, NotWrittenError
 from bilayer.results.files import open_result
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.solvers.registry import solve, solver_named
 from bilayer.solvers.resuming import open_unfinished
 from bilayer.study.case import Case
-from bilayer.study.folder import BEGUN, StudyFolder
+from bilayer.study.folder import BEGUN, FAILED, LACKS_MEMORY, StudyFolder
 
 
 def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
@@ -59,8 +59,10 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         raise
     except Exception as error:
         if first:
+            lacks_memory = isinstance(error, (NotEnoughMemoryError, MemoryError))
+            status = LACKS_MEMORY if lacks_memory else FAILED
             reason = f"{type(error).__name__}: {error}"
-            folder.keep_failure(case, reason, traceback.format_exc())
+            folder.keep_failure(case, reason, traceback.format_exc(), status)
         return
     if first:
         folder.keep_result(case, result, before + time.perf_counter() - start)

@@ -16,6 +16,7 @@ from xarray.backends.locks import HDF5_LOCK
 
 from bilayer.errors import ComputationError
 from bilayer.study.folder import StudyFolder
+from bilayer.study.milestones import MilestoneAxis
 from bilayer.study.scalars import Scalars, read_scalars
 
 MESH_VARIABLES = ("reference_position", "face_nodes", "region")
@@ -36,9 +37,11 @@ def open_study(path: str | Path) -> xr.Dataset:
     Dataset
         Each scalar of the results, in SI units, over the varied fields and `prestretch`: the
         fields are dimensions where the cases are the product of their values, else coordinates of
-        the dimension `case`. What is not computed, or not reached, is NaN. Coordinates `solver`,
-        `model`, `identity` and `case_file` (empty where there is none) tell the case; where all
-        cases share one planar mesh, `position` and the mesh are there, too.
+        the dimension `case`. Along `prestretch` lie `prestretch_x` and `prestretch_y`; a value
+        stands there again for another pair, or if a load path comes back to it (`visit`). What is
+        not computed, or not reached, is NaN. Coordinates `solver`, `model`, `identity` and
+        `case_file` (empty where there is none) tell the case; where all cases share one planar
+        mesh, `position` and the mesh are there, too.
 
     Raises
     ------
@@ -50,14 +53,14 @@ def open_study(path: str | Path) -> xr.Dataset:
     folder = StudyFolder(path)
     planned = folder.planned()
     entries, fields = planned["cases"], planned["fields"]
-    stretches = np.unique([stretch for entry in entries for stretch in entry["milestones"]])
+    axis = MilestoneAxis.of([entry["milestones"] for entry in entries])
     files = [folder.kept_file(entry["case"]) for entry in entries]
     found = [file.exists() for file in files]
     present = [file if there else None for file, there in zip(files, found, strict=True)]
     study = xr.Dataset(
-        _scalar_variables(entries, present, stretches),
+        _scalar_variables(entries, present, axis),
         coords={
-            "prestretch": ("prestretch", stretches, {"units": "1"}),
+            **axis.coordinates(),
             "identity": ("case", [entry["case"] for entry in entries]),
             "solver": ("case", [entry["solver"] for entry in entries]),
             "model": ("case", [entry["model"] for entry in entries]),
@@ -66,7 +69,7 @@ def open_study(path: str | Path) -> xr.Dataset:
         attrs={"study": str(path), "fields": list(fields)},
     )
     if any(found) and len({entry["mesh"] for entry in entries}) == 1:
-        study = study.assign(_shape_variables(entries, present, stretches))
+        study = study.assign(_shape_variables(entries, present, axis))
     return _along_fields(study, entries, fields)
 
 
@@ -82,22 +85,23 @@ def _dask() -> Any:
 
 
 def _scalar_variables(
-    entries: Sequence[Entry], files: Sequence[Path | None], stretches: NDArray[np.float64]
+    entries: Sequence[Entry], files: Sequence[Path | None], axis: MilestoneAxis
 ) -> dict[str, Any]:
     """Return each scalar over (case, prestretch), its values still in the files."""
     dask = _dask()
     kinds = _examples(entries, files)
-    names = list(dict.fromkeys(name for kind in kinds for name in kind.values))
+    held = dict.fromkeys(name for kind in kinds for name in kind.values)
+    names = [name for name in held if name not in axis.coordinates()]
     read = [
         None
         if file is None
-        else dask.delayed(_read_aligned)(file, names, entry["milestones"], stretches)
+        else dask.delayed(_read_aligned)(file, names, axis.places(entry["milestones"]), len(axis))
         for entry, file in zip(entries, files, strict=True)
     ]
     variables = {}
     for name in names:
         example = next(kind for kind in kinds if name in kind.values)
-        shape = (len(stretches), *example.values[name].shape[1:])
+        shape = (len(axis), *example.values[name].shape[1:])
         rows = [
             dask.array.full(shape, np.nan)
             if table is None
@@ -119,32 +123,31 @@ def _examples(entries: Sequence[Entry], files: Sequence[Path | None]) -> list[Sc
 
 
 def _read_aligned(
-    file: Path, names: Sequence[str], milestones: Sequence[float], stretches: NDArray[np.float64]
+    file: Path, names: Sequence[str], places: NDArray[np.int64], length: int
 ) -> dict[str, NDArray[np.float64]]:
-    """Read one file's scalars at their places among all prestretches; NaN elsewhere."""
+    """Read one file's scalars at their places among all milestones; NaN elsewhere."""
     values = read_scalars(file).values
     shapes = {name: array.shape[1:] for name, array in values.items()}
-    table = {name: np.full((len(stretches), *shapes.get(name, ())), np.nan) for name in names}
-    places = np.searchsorted(stretches, milestones)
+    table = {name: np.full((length, *shapes.get(name, ())), np.nan) for name in names}
     for name in values.keys() & table.keys():
         table[name][places] = values[name]
     return table
 
 
 def _shape_variables(
-    entries: Sequence[Entry], files: Sequence[Path | None], stretches: NDArray[np.float64]
+    entries: Sequence[Entry], files: Sequence[Path | None], axis: MilestoneAxis
 ) -> dict[str, Any]:
     """Return the positions of cases on one mesh, still in the files, and that mesh."""
     dask = _dask()
     with xr.open_dataset(next(file for file in files if file is not None)) as example:
         mesh = example[list(MESH_VARIABLES)].load()
         attributes = example["position"].attrs
-    shape = (len(stretches), *mesh["reference_position"].shape)
+    shape = (len(axis), *mesh["reference_position"].shape)
     rows = [
         dask.array.full(shape, np.nan)
         if file is None
         else dask.array.from_delayed(
-            dask.delayed(_read_position)(file, entry["milestones"], stretches, shape),
+            dask.delayed(_read_position)(file, axis.places(entry["milestones"]), shape),
             shape,
             dtype=float,
         )
@@ -156,12 +159,12 @@ def _shape_variables(
 
 
 def _read_position(
-    file: Path, milestones: Sequence[float], stretches: NDArray[np.float64], shape: tuple[int, ...]
+    file: Path, places: NDArray[np.int64], shape: tuple[int, ...]
 ) -> NDArray[np.float64]:
     table = np.full(shape, np.nan)
     with HDF5_LOCK, netCDF4.Dataset(file) as stored:  # the library is not safe for threads
         stored.set_auto_mask(False)
-        table[np.searchsorted(stretches, milestones)] = stored["position"][:]
+        table[places] = stored["position"][:]
     return table
 
 

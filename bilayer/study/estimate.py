@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bilayer.study.case import Case
-from bilayer.study.index import DONE
+from bilayer.study.folder import DONE
 
 
 @dataclass(frozen=True)

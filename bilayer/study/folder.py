@@ -2,8 +2,8 @@
 
 plan.json             the cases of the last start, with the values that vary
 cases/HASH.nc         a finished case; whole, because it is moved there when it is complete
+cases/HASH.failed     why a case has no result, as JSON
 cases/HASH.unfinished.nc   the milestones so far of a case that is computed, or was interrupted
-cases/HASH.failed     why a case failed, as JSON
 study.log             a line for every case begun and ended, by any process
 study.csv             the index, made anew from the files above
 """
@@ -14,9 +14,9 @@ import os
 import shutil
 import sys
 import time
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,29 @@ from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 
 BEGUN, DONE, FAILED, NOT_WRITTEN = "begun", "done", "failed", "not written"
+LACKS_MEMORY = "lacks memory"
+
+
+@dataclass(frozen=True)
+class NoResult:
+    """Why a case has no result.
+
+    Parameters
+    ----------
+    status : {"failed", "lacks memory"}
+        A case that failed is left alone by later starts; one that lacked memory is not.
+    reason : str
+        In one line.
+    """
+
+    status: str
+    reason: str
+
+
+def _pair(stretch: Any) -> tuple[float, float]:
+    """Return a milestone of a plan as (lambda_x, lambda_y); older plans hold the larger alone."""
+    x, y = stretch if isinstance(stretch, list) else (stretch, stretch)
+    return x, y
 
 
 class StudyFolder:
@@ -73,7 +96,7 @@ class StudyFolder:
         return unfinished if unfinished.exists() and not result.exists() else result
 
     def failure_file(self, identity: str) -> Path:
-        """Return where the reason of a failed case is."""
+        """Return where the reason is why a case has no result."""
         return self.path / "cases" / f"{identity}.failed"
 
     def make(self) -> None:
@@ -106,7 +129,7 @@ class StudyFolder:
                 "solver": case.solver,
                 "model": case.model,
                 "mesh": case.mesh_identity,
-                "milestones": case.specimen.prestretch.nominal,
+                "milestones": case.specimen.prestretch.milestones,
                 "values": dict(case.values),
             }
             for case in plan.cases
@@ -116,7 +139,7 @@ class StudyFolder:
             partial.write_text(text, encoding="utf-8")
 
     def planned(self) -> dict[str, Any]:
-        """Return what `keep_plan` wrote: `fields` and `cases`.
+        """Return what `keep_plan` wrote: `fields` and `cases`, whose milestones are pairs.
 
         Raises
         ------
@@ -130,6 +153,8 @@ class StudyFolder:
                 f"study folder {self.path}: has no plan.json that can be read, expected the "
                 "folder of `bilayer study`"
             ) from error
+        for entry in plan["cases"]:
+            entry["milestones"] = [_pair(stretch) for stretch in entry["milestones"]]
         return plan
 
     def has_result(self, identity: str) -> bool:
@@ -157,13 +182,13 @@ class StudyFolder:
 
     def begun_without_end(self) -> set[str]:
         """Return the cases that some process began and did not end: it was killed, or crashed."""
-        begun: Counter[str] = Counter()
+        last_event: dict[str, str] = {}
         if self.log_file.exists():
             for line in self.log_file.read_text(encoding="utf-8", errors="replace").splitlines():
                 words = line.split("\t")
                 if len(words) > 2:
-                    begun[words[2]] += 1 if words[1] == BEGUN else -1
-        return {identity for identity, count in begun.items() if count > 0}
+                    last_event[words[2]] = words[1]
+        return {identity for identity, event in last_event.items() if event == BEGUN}
 
     def keep_result(self, case: Case, result: xr.Dataset, seconds: float) -> None:
         """Write the result of a case, whole or not at all, and log it.
@@ -190,26 +215,42 @@ class StudyFolder:
         with suppress(ComputationError):
             self.log(NOT_WRITTEN, case, str(error))
 
-    def keep_failure(self, case: Case, reason: str, trace: str = "") -> None:
+    def keep_failure(self, case: Case, reason: str, trace: str = "", status: str = FAILED) -> None:
         """Record why a case has no result, and log it.
+
+        Parameters
+        ----------
+        case : Case
+            Which one.
+        reason : str
+            What is shown of it, in one line.
+        trace : str
+            Where in the program it was, for those who look for a fault there.
+        status : {"failed", "lacks memory"}
+            Whether later starts leave the case alone, see `NoResult`.
 
         Raises
         ------
         ComputationError
             Writing failed, for example on a full disk.
         """
-        record = {"reason": " ".join(reason.split()), "trace": trace}
+        record = {"status": status, "reason": " ".join(reason.split()), "trace": trace}
         with whole_file(self.failure_file(case.identity), "failure record") as partial:
             partial.write_text(json.dumps(record, indent=1), encoding="utf-8")
-        self.log(FAILED, case, record["reason"])
+        self.log(status, case, record["reason"])
 
-    def failure(self, identity: str) -> str:
-        """Return why a case failed, or an empty text."""
+    def failure(self, identity: str) -> NoResult | None:
+        """Return why a case has no result, if that was recorded."""
         try:
-            text = self.failure_file(identity).read_text(encoding="utf-8")
+            record = json.loads(self.failure_file(identity).read_text(encoding="utf-8"))
         except OSError:
-            return ""
-        return str(json.loads(text)["reason"])
+            return None
+        return NoResult(record.get("status", FAILED), record["reason"])
+
+    def has_failed(self, identity: str) -> bool:
+        """Whether a case has failed for good: it is computed again only if that is asked for."""
+        recorded = self.failure(identity)
+        return recorded is not None and recorded.status == FAILED
 
     @contextmanager
     def alone(self) -> Iterator[None]:

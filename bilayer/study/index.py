@@ -9,10 +9,10 @@ import pandas as pd
 from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
 from bilayer.solvers.registry import settings_kind
-from bilayer.study.folder import StudyFolder
+from bilayer.study.folder import DONE, FAILED, StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 
-DONE, STOPPED, FAILED, MISSING = "done", "stopped early", "failed", "missing"
+STOPPED, MISSING = "stopped early", "missing"
 UNFINISHED = "unfinished"
 """Status of a case that has some milestones, and goes on from there when it is computed again."""
 SHOWN = (
@@ -30,8 +30,9 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
     -------
     DataFrame
         A row per case and milestone: the case's hash, solver, model, the varied values,
-        `prestretch`, `status` (done, stopped early, unfinished, failed, missing), scalars of the
-        result in SI units, the `reason` where something is missing, what made it, and the timings.
+        `prestretch` (the larger of `prestretch_x` and `prestretch_y`), `status` (done, stopped
+        early, unfinished, failed, lacks memory, missing), scalars of the result in SI units, the
+        `reason` where something is missing, what made it, and the timings.
     """
     planned = folder.planned()
     rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
@@ -62,7 +63,9 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
     return [
         {
             **named,
-            "prestretch": stretch,
+            "prestretch": max(pair),
+            "prestretch_x": pair[0],
+            "prestretch_y": pair[1],
             "status": status,
             **{name: columns[name][k] for name in SHOWN},
             "reason": reason,
@@ -72,7 +75,7 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
             "wall_time": columns["wall_time"][k],
             "case_seconds": made.get("study_case_seconds", np.nan),
         }
-        for k, stretch in enumerate(entry["milestones"])
+        for k, pair in enumerate(entry["milestones"])
     ]
 
 
@@ -81,13 +84,17 @@ def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | Non
     path = folder.kept_file(entry["case"])
     failure = folder.failure(entry["case"])
     if not path.exists():
-        return None, FAILED if failure else MISSING, failure
+        return (None, MISSING, "") if failure is None else (None, failure.status, failure.reason)
     try:
         stored = read_scalars(path)
     except InputError as error:
         return None, FAILED, str(error)
     if path == folder.unfinished_file(entry["case"]):
-        return stored, FAILED if failure else UNFINISHED, failure or INTERRUPTED
+        return (
+            (stored, UNFINISHED, INTERRUPTED)
+            if failure is None
+            else (stored, failure.status, failure.reason)
+        )
     reason = str(stored.attributes["stop_reason"])
     kind = settings_kind(entry["solver"], entry["model"])
     ended_well = bool(np.all(stored.values["converged"] == 1)) or getattr(

@@ -16,11 +16,9 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.mesh.generation import check_memory
 from bilayer.solvers.registry import SOLVERS, settings_kind, solver_named
 from bilayer.specimen.settings import settings_from
-from bilayer.specimen.specimen import Specimen
-from bilayer.specimen.toml import parse_specimen
+from bilayer.specimen.toml import parse_specimen_file
 from bilayer.study.case import Case
 from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
 from bilayer.validation import nearest, one_of
@@ -210,20 +208,15 @@ def _case(
             overrides.append(f"{name}={json.dumps(value)}")
     if milestones:
         overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
-    specimen = parse_specimen(specimen_text, overrides, source="the study's specimen")
+    specimen = parse_specimen_file(specimen_text, overrides, source="the study's specimen")
     model = chosen.pop("model", next(iter(solver_named(solver).models)))
     kind: Any = settings_kind(solver, model)
-    _check_memory(specimen, solver)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)
 
 
 def _ascending(milestones: list[Any]) -> list[Any]:
-    """Return the milestones in the order of a load path, a pair by its larger number."""
+    """Return the milestones in the order of a load path: by the larger number, then the other."""
     try:
-        return sorted(milestones, key=lambda stretch: max(np.atleast_1d(stretch)))
-    except TypeError:
-        return milestones  # no numbers: the specimen's reader says so
-
-
-def _check_memory(specimen: Specimen, solver: str) -> None:
-    check_memory(specimen, solver_named(solver).bytes_per_triangle, f"the solver {solver!r}")
+        return sorted(milestones, key=lambda stretch: sorted(np.broadcast_to(stretch, 2))[::-1])
+    except (TypeError, ValueError):
+        return milestones  # no numbers, or no pair: the specimen's reader says so

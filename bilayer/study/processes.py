@@ -26,9 +26,13 @@ def available_cores() -> int:
 
 
 def compute_in_processes(
-    cases: Sequence[Case], folder: StudyFolder, jobs: int, told: Callable[[Case], None]
+    cases: Sequence[Case],
+    folder: StudyFolder,
+    jobs: int,
+    memory: float,
+    told: Callable[[Case], None],
 ) -> None:
-    """Compute cases, in their order, `jobs` at a time.
+    """Compute cases, in their order, as many at a time as the processes and the memory allow.
 
     Parameters
     ----------
@@ -37,7 +41,9 @@ def compute_in_processes(
     folder : StudyFolder
         Where they are kept; held by the caller.
     jobs : int
-        Number of processes.
+        Largest number of processes.
+    memory : float
+        Bytes that the processes may take together; a case that takes more is computed alone.
     told : callable
         Called with each case that has ended, well or not.
 
@@ -48,25 +54,29 @@ def compute_in_processes(
     """
     waiting = deque(cases)
     running: dict[Future[None], tuple[ProcessPoolExecutor, Case]] = {}
+    idle: list[ProcessPoolExecutor] = []
 
-    def give_next(worker: ProcessPoolExecutor) -> None:
-        if waiting:
-            case = waiting.popleft()
-            running[worker.submit(compute_case, case, folder)] = worker, case
+    def next_starts() -> bool:
+        taken = sum(case.memory for _, case in running.values())
+        fits = not running or taken + waiting[0].memory <= memory
+        return len(running) < jobs and fits
 
     with ExitStack() as workers:
-        for _ in range(min(jobs, len(cases))):
-            give_next(workers.enter_context(_worker(folder)))
-        while running:
+        while waiting or running:
+            while waiting and next_starts():
+                case = waiting.popleft()
+                worker = idle.pop() if idle else workers.enter_context(_worker(folder))
+                running[worker.submit(compute_case, case, folder)] = worker, case
+            while idle:
+                idle.pop().shutdown()  # nothing fits beside what runs: give its memory back
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 worker, case = running.pop(future)
                 try:
                     future.result()
+                    idle.append(worker)
                 except BrokenProcessPool:
                     folder.keep_failure(case, DIED)
-                    worker = workers.enter_context(_worker(folder))
                 told(case)
-                give_next(worker)
 
 
 def _worker(folder: StudyFolder) -> ProcessPoolExecutor:

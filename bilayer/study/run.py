@@ -7,11 +7,13 @@ from typing import Any
 import pandas as pd
 
 from bilayer.errors import InputError
+from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
-from bilayer.study.folder import StudyFolder
-from bilayer.study.index import FAILED, STOPPED, read_index, write_index
+from bilayer.study.folder import FAILED, LACKS_MEMORY, StudyFolder
+from bilayer.study.index import STOPPED, read_index, write_index
+from bilayer.study.memory import memory_note, separate_by_memory
 from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import available_cores, compute_in_processes
 from bilayer.study.rank_groups import compute_on_ranks, prepared_by_first
@@ -22,10 +24,14 @@ def run_study(
     path: Any,
     *,
     jobs: int | None = None,
+    memory: float | None = None,
     retry_failed: bool = False,
     progress: Progress | None = None,
+    notice: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
     """Compute what a study's folder lacks, on the cores of this machine.
+
+    Cases that do not fit into the memory are recorded and left for a later start.
 
     Parameters
     ----------
@@ -34,11 +40,16 @@ def run_study(
     path : path-like
         The study's folder, made where it is missing.
     jobs : int, optional
-        Cases computed at a time; the number of cores that this process may use where left out.
+        Most cases computed at a time; the number of cores that this process may use where left
+        out.
+    memory : float, optional
+        Bytes that all of them may take together; what is available where left out.
     retry_failed : bool
         Compute also those that failed or stopped early in an earlier start.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
+    notice : callable, optional
+        Called with a line of text if the memory allows fewer cases at a time than `jobs`.
 
     Returns
     -------
@@ -59,7 +70,14 @@ def run_study(
         folder.keep_plan(plan)
         waiting = cases_to_compute(plan, folder, retry_failed)
         count = available_cores() if jobs is None else jobs
-        compute_in_processes(waiting, folder, count, _teller(waiting, progress))
+        room = available_memory() if memory is None else memory
+        fitting, shortages = separate_by_memory(waiting, room)
+        for case, reason in shortages.items():
+            folder.keep_failure(case, reason, status=LACKS_MEMORY)
+        note = memory_note(fitting, count, room)
+        if note and notice is not None:
+            notice(note)
+        compute_in_processes(fitting, folder, count, room, _teller(fitting, progress))
         return write_index(folder)
 
 
@@ -156,7 +174,7 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
     waiting = [
         case
         for case in plan.cases
-        if not (folder.has_result(case.identity) or folder.failure(case.identity))
+        if not (folder.has_result(case.identity) or folder.has_failed(case.identity))
     ]
     if retry_failed:
         index = read_index(folder)

@@ -12,13 +12,13 @@ The stretch of the thickness, sqrt(C33), is eliminated: the energy is least in i
 
 from dataclasses import dataclass
 from functools import cached_property, singledispatch
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin
+from bilayer.specimen.materials import Hyperelastic, Jet, Law, LinearElastic
 
 Array = NDArray[np.float64]
 
@@ -55,52 +55,50 @@ class PlaneStressLaw(Protocol):
 
 
 @dataclass(frozen=True)
-class PlaneMooneyRivlin:
-    """Mooney-Rivlin in plane stress; neo-Hookean where c01 = 0.
+class PlaneHyperelastic:
+    """A hyperelastic law in plane stress.
 
-    With c = C33 = J^2 / D and r = J^(1/3), the energy of `bilayer.specimen.material` is
+    With c = C33 = J^2 / D and r = J^(1/3), the invariants of `bilayer.specimen.materials` are
 
-        W = C10 (T / r^2 + r^4 / D - 3) + C01 (D / r^4 + T r^2 / D - 3) + (r^3 - 1)^2 / D1,
+        I1 = T / r^2 + r^4 / D,    I2 = D / r^4 + T r^2 / D,
 
-    least in r by Newton's method; r = 1 where D1 = 0 (incompressible).
+    and W = w(I1, I2) + (r^3 - 1)^2 / D1 is least in r by Newton's method; r = 1 where D1 = 0
+    (incompressible).
 
     Parameters
     ----------
-    c10, c01, d1 : float
-        Constants in Pa, Pa and 1/Pa.
+    law : Hyperelastic
+        The law with its constants.
     """
 
-    c10: float
-    c01: float
-    d1: float
+    law: Hyperelastic
 
-    def at(self, strain: Array, prestretch: Array) -> "_MooneyRivlinState":
+    def at(self, strain: Array, prestretch: Array) -> "_HyperelasticState":
         """See `PlaneStressLaw`."""
-        return _MooneyRivlinState(self, strain, prestretch)
+        return _HyperelasticState(self, strain, prestretch)
+
+    @cached_property
+    def constant_slopes(self) -> Jet | None:
+        """Derivatives of w by I1 and I2, if they are the same everywhere, as Mooney-Rivlin's."""
+        somewhere = self.law.slopes(np.full(1, 3.0), np.full(1, 3.0))
+        return somewhere if somewhere.is_linear else None
 
 
-class _MooneyRivlinState:
-    def __init__(self, law: PlaneMooneyRivlin, strain: Array, prestretch: Array) -> None:
-        self._law = law
+class _HyperelasticState:
+    def __init__(self, plane: PlaneHyperelastic, strain: Array, prestretch: Array) -> None:
         self._doubled = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
         self._squared = _squared(prestretch)
         xx, yy, xy, area2 = self._squared
         a, b, g = self._doubled
-        self._T = xx * a + yy * b + 2 * xy * g
+        T = xx * a + yy * b + 2 * xy * g
         self._D = area2 * (a * b - g * g)
-        self._per_D = 1 / self._D
-        self._r = self._least()
+        self._expanded = _Expansion.of_least_energy(plane, T, self._D)
 
     def energy(self) -> Array:
         """See `PlaneStressState`."""
-        T, D, per_D, r, law = self._T, self._D, self._per_D, self._r, self._law
-        r2 = r * r
-        per_r2 = 1 / r2
-        energy = law.c10 * (T * per_r2 + r2 * r2 * per_D - 3)
-        energy += law.c01 * (D * per_r2 * per_r2 + T * r2 * per_D - 3)
-        if law.d1 > 0:
-            energy += (r2 * r - 1) ** 2 / law.d1
-        return np.where(D > 0, energy, np.inf)  # a fibre turned inside out is out of reach
+        energy = self._expanded.energy()
+        # a fibre turned inside out is out of reach, and so is one beyond where its law locks
+        return np.where((self._D > 0) & np.isfinite(energy), energy, np.inf)
 
     def stress(self) -> Array:
         """See `PlaneStressState`."""
@@ -111,7 +109,7 @@ class _MooneyRivlinState:
     def tangent(self) -> Array:
         """See `PlaneStressState`."""
         _, W_D = self._first
-        W_TT, W_TD, W_DD = self._second()
+        W_TT, W_TD, W_DD = self._expanded.second()
         T_e, D_e = self._invariant_slopes
         tangent = T_e[:, None] * (W_TT * T_e + W_TD * D_e)
         tangent += D_e[:, None] * (W_TD * T_e + W_DD * D_e)
@@ -131,63 +129,132 @@ class _MooneyRivlinState:
 
     @cached_property
     def _first(self) -> tuple[Array, Array]:
-        """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""
-        a, b, per_D = self._law.c10, self._law.c01, self._per_D
-        r2 = self._r * self._r
-        per_r2 = 1 / r2
-        W_T = a * per_r2 + b * r2 * per_D
-        return W_T, b * per_r2 * per_r2 - (a * r2 + b * self._T) * r2 * per_D * per_D
+        return self._expanded.first()
 
-    def _second(self) -> tuple[Array, Array, Array]:
-        """Second derivatives by T and D, with r following: W_XY - W_Xr W_Yr / W_rr."""
-        a, b, per_D, T, r = self._law.c10, self._law.c01, self._per_D, self._T, self._r
-        r2 = r * r
-        W_TT, W_TD = np.zeros_like(T), -b * r2 * per_D**2
-        W_DD = 2 * (a * r2 + b * T) * r2 * per_D**3
-        if self._law.d1 > 0:
-            per_bend = 1 / self._volume_derivatives(r)[1]
-            W_Tr = 2 * b * r * per_D - 2 * a / (r2 * r)
-            W_Dr = -4 * b / (r2 * r2 * r) - (4 * a * r2 + 2 * b * T) * r * per_D**2
-            W_TT, W_TD = W_TT - W_Tr**2 * per_bend, W_TD - W_Tr * W_Dr * per_bend
-            W_DD = W_DD - W_Dr**2 * per_bend
+
+class _Expansion:
+    """The energy as a function of T, D and r, with its derivatives.
+
+    The invariants are sums of four monomials, I1 = p + q and I2 = s + t, whose derivatives are
+    multiples of themselves:
+
+        p = T / r^2,  q = r^4 / D,  s = D / r^4,  t = T r^2 / D.
+    """
+
+    def __init__(self, plane: PlaneHyperelastic, T: Array, D: Array, per_D: Array, r: Any) -> None:
+        self._plane, self._per_D, self._r = plane, per_D, r
+        self._r2 = r2 = r * r
+        self._x, self._y = 1 / r2, r2 * per_D
+        self._p, self._q = T * self._x, r2 * self._y
+        self._s, self._t = D * self._x * self._x, T * self._y
+
+    @classmethod
+    def of_least_energy(cls, plane: PlaneHyperelastic, T: Array, D: Array) -> "_Expansion":
+        """Return the expansion at the r of least energy, the cube root of the volume ratio."""
+        per_D = 1 / D
+        r = 1.0 if plane.law.d1 == 0 else _volume_of_least_energy(plane, T, D, per_D)
+        return cls(plane, T, D, per_D, r)
+
+    def energy(self) -> Array:
+        """Return the energy."""
+        law = self._plane.law
+        with np.errstate(invalid="ignore"):  # beyond where the law locks
+            energy: Array = law.energy(self._p + self._q, self._s + self._t, np)
+        if law.d1 > 0:
+            energy = energy + (self._r2 * self._r - 1) ** 2 / law.d1
+        return energy
+
+    def first(self) -> tuple[Array, Array]:
+        """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""
+        by_I1, by_I2 = self._slopes.first
+        W_T = by_I1 * self._x + by_I2 * self._y
+        return W_T, (by_I2 * (self._s - self._t) - by_I1 * self._q) * self._per_D
+
+    def second(self) -> tuple[Array, Array, Array]:
+        """Return the second derivatives by T and D, r following: W_XY - W_Xr W_Yr / W_rr."""
+        by_I1, by_I2 = self._slopes.first
+        per_D, bend = self._per_D, self._bend
+        W_TT = bend("T", "T")
+        W_TD = bend("T", "D") - by_I2 * self._y * per_D
+        W_DD = bend("D", "D") + 2 * (by_I1 * self._q + by_I2 * self._t) * per_D * per_D
+        if self._plane.law.d1 > 0:  # r W_Xr and r^2 W_rr
+            per_bend = 1 / self.volume_derivatives()[1]
+            W_Tr = bend("T", "r") + 2 * (by_I2 * self._y - by_I1 * self._x)
+            W_Dr = by_I1 * (4 * self._q) + by_I2 * (4 * self._s + 2 * self._t)
+            W_Dr = bend("D", "r") - W_Dr * per_D
+            W_TT, W_TD = W_TT - W_Tr * W_Tr * per_bend, W_TD - W_Tr * W_Dr * per_bend
+            W_DD = W_DD - W_Dr * W_Dr * per_bend
         return W_TT, W_TD, W_DD
 
-    def _least(self) -> Array:
-        """Return r, the cube root of the volume over the natural one, of the least energy."""
-        if self._law.d1 == 0:
-            return np.ones_like(self._T)
-        r = self._nearly_least()
-        for _ in range(_VOLUME_ITERATIONS):
-            slope, bend = self._volume_derivatives(r)
-            step = slope / bend
-            r = np.maximum(r - step, 0.8 * r)
-            # what is turned inside out has infinite energy, whatever its r
-            if not np.any((np.abs(step) > _VOLUME_TOLERANCE * r) & (self._D > 0)):
-                break
-        return r
+    def volume_derivatives(self) -> tuple[Array, Array]:
+        """Return r W_r and r^2 W_rr."""
+        by_I1, by_I2 = self._slopes.first
+        r3 = self._r2 * self._r
+        kr3 = 6 / self._plane.law.d1 * r3
+        P, Q, S, T = by_I1 * self._p, by_I1 * self._q, by_I2 * self._s, by_I2 * self._t
+        slope = 2 * (2 * (Q - S) - P + T) + kr3 * (r3 - 1)
+        bend = 6 * P + 12 * Q + 20 * S + 2 * T + kr3 * (5 * r3 - 2)
+        return slope, bend + self._bend("r", "r")
 
-    def _nearly_least(self) -> Array:
-        """Return r after one Newton step from 1 in J, where a stiff volume is nearly quadratic."""
-        a, b, k = self._law.c10 / 9, self._law.c01 / 9, 2 / self._law.d1
-        aT, aD = a * self._T, a * self._per_D
-        bD, bT = b * self._D, b * self._T * self._per_D
-        slope = 12 * (aD - bD) + 6 * (bT - aT)
-        bend = 10 * aT + 4 * aD + 28 * bD - 2 * bT + k
-        j = np.maximum(-slope / bend, -0.5)
-        return (3 + 2 * j) / (3 + j)  # the cube root of 1 + j, to the second order
+    @cached_property
+    def _slopes(self) -> Jet:
+        """Return w with its derivatives by I1 and I2; the value is void if they are constant."""
+        if self._plane.constant_slopes:
+            return self._plane.constant_slopes
+        with np.errstate(invalid="ignore"):  # beyond where the law locks
+            return self._plane.law.slopes(self._p + self._q, self._s + self._t)
 
-    def _volume_derivatives(self, r: Array) -> tuple[Array, Array]:
-        """Return the first and second derivative of the energy by r."""
-        a, b, k = 2 * self._law.c10, 2 * self._law.c01, 6 / self._law.d1
-        q = 1 / r
-        q2, r2 = q * q, r * r
-        q4, kr = q2 * q2, k * r
-        aT, aD = a * self._T * q4, 2 * a * self._per_D * r2
-        bT, bD = b * self._T * self._per_D, 2 * b * self._D * (q4 * q2)
-        r3 = r2 * r
-        slope = r * (aD + bT - aT - bD + kr * (r3 - 1))
-        bend = 3 * (aT + aD) + 5 * bD + bT + kr * (5 * r3 - 2)
-        return slope, bend
+    def _bend(self, one: str, other: str) -> Any:
+        """Return the part of a second derivative that comes of those of w by I1 and I2."""
+        slopes = self._slopes
+        return (
+            0.0 if slopes.is_linear else slopes.second_along(self._along[one], self._along[other])
+        )
+
+    @cached_property
+    def _along(self) -> dict[str, tuple[Array, Array]]:
+        """Return the derivatives of I1 and I2 by T and D, and r times those by r."""
+        p, q, s, t = self._p, self._q, self._s, self._t
+        return {
+            "T": (self._x, self._y),
+            "D": (-q * self._per_D, (s - t) * self._per_D),
+            "r": (4 * q - 2 * p, 2 * t - 4 * s),
+        }
+
+
+def _volume_of_least_energy(plane: PlaneHyperelastic, T: Array, D: Array, per_D: Array) -> Array:
+    """Return r, the cube root of the volume over the natural one, of the least energy."""
+    r, inside = _first_guess_of_volume(plane, T, D, per_D)
+    for _ in range(_VOLUME_ITERATIONS):
+        slope, bend = _Expansion(plane, T, D, per_D, r).volume_derivatives()
+        step = slope / bend
+        locked = np.isnan(step)
+        if locked.any():  # the law locks there: half way back
+            step = np.where(locked, (1 - inside / r) / 2, step)
+        inside = np.where(locked, inside, r)
+        r = r * np.maximum(1 - step, 0.8)
+        # what is turned inside out has infinite energy, whatever its r
+        if not np.any((np.abs(step) > _VOLUME_TOLERANCE) & (D > 0)):
+            break
+    return r
+
+
+def _first_guess_of_volume(
+    plane: PlaneHyperelastic, T: Array, D: Array, per_D: Array
+) -> tuple[Array, Any]:
+    """Return r after one Newton step from 1 in J, where a stiff volume is nearly quadratic.
+
+    Second, an r from which the law is not locked, if there is one: 1, or else that of the least I1,
+    which is then the guess.
+    """
+    slope, bend = _Expansion(plane, T, D, per_D, 1.0).volume_derivatives()
+    j = np.maximum(-3 * slope / (bend - 2 * slope), -0.5)
+    r = (3 + 2 * j) / (3 + j)  # the cube root of 1 + j, to the second order
+    locked = np.isnan(r)
+    if not locked.any():
+        return r, 1.0
+    of_least_I1 = np.abs(T * D / 2) ** (1 / 6)
+    return np.where(locked, of_least_I1, r), np.where(locked, of_least_I1, 1.0)
 
 
 @dataclass(frozen=True)
@@ -196,7 +263,7 @@ class PlaneLinear:
 
         W = E / (2 (1 - nu^2)) [ (1 - nu) e:e + nu (tr e)^2 ],      e = e_bonded + S - 1
 
-    That is the linear law of the paper (eqs. 8-9; see `bilayer.specimen.material.LinearElastic`).
+    That is the linear law of the paper (eqs. 8-9; see `bilayer.specimen.materials.LinearElastic`).
 
     Parameters
     ----------
@@ -249,8 +316,8 @@ def plane_stress_law(material: Law) -> PlaneStressLaw:
 
 
 @plane_stress_law.register
-def _(material: MooneyRivlin) -> PlaneStressLaw:
-    return PlaneMooneyRivlin(material.c10, material.c01, material.d1)
+def _(material: Hyperelastic) -> PlaneStressLaw:
+    return PlaneHyperelastic(material)
 
 
 @plane_stress_law.register

@@ -2,7 +2,8 @@
 
 In place of the printed balance of energies (paper, eqs. 6 and 7) the natural lengths and angles
 are those of the free laminate. Of the layers with moduli E_i, thicknesses t_i, mid-heights z_i and
-natural strains e_i (1 / lambda - 1 where stretched, else 0), about the neutral axis,
+natural strains e_i (by their laws: 1 / lambda - 1 where stretched, but sqrt(1 - 2 (lambda - 1)) - 1
+of the linear law; 0 where not), about the neutral axis,
 where B vanishes (Timoshenko 1925; Reddy, Mechanics of Laminated Composite Plates, ch. 3),
 
     A = sum E t,  D = sum E' (t^3 / 12 + t z^2),  E' = E / (1 - nu^2),
@@ -27,7 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import BARE, KIRIGAMI, BondedLayer, Specimen
+from bilayer.specimen.layer import BondedLayer
+from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.two_layers import KIRIGAMI, TWO_LAYERS, TwoLayers
 from dshell.energies.edge_springs import EdgeSprings
 from dshell.energies.hinges import Hinges
 from dshell.energies.topology import FaceNeighbours, Topology
@@ -66,7 +69,8 @@ class Section:
         modulus = np.array([material.young_modulus for material in materials])
         plane = modulus / (1 - np.array([material.poisson_ratio for material in materials]) ** 2)
         bottom, top = np.array([(part.bottom, part.top) for part in layers]).T
-        natural = 1 / np.array([part.stretch for part in layers]) - 1
+        scale = np.array([part.layer.material.natural_scale(part.axial_stretch) for part in layers])
+        natural = scale[:, :2] - 1
         thickness, middle = top - bottom, (top + bottom) / 2
         axis = (plane * thickness) @ middle / (plane @ thickness)
         stretching = modulus @ thickness
@@ -82,10 +86,10 @@ class Section:
 
 def specimen_sections(specimen: Specimen, stretch: tuple[float, float]) -> tuple[Section, Section]:
     """Return the section of the bare substrate and that of the bilayer."""
+    TwoLayers.of(specimen, "model = 'hinge'")
     layers = specimen.bonded_layers(stretch)
     bare, bilayer = (
-        Section.of([part for part in layers if region in part.regions])
-        for region in (BARE, KIRIGAMI)
+        Section.of([part for part in layers if part.name in there]) for there in TWO_LAYERS
     )
     return bare, bilayer
 

@@ -11,18 +11,18 @@ from dshell.energies.topology import sum_at_nodes
 def lumped_masses(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]
 ) -> NDArray[np.float64]:
-    """Return the mass of each node, kg: a third of each of its triangles, both layers.
+    """Return the mass of each node, kg: a third of each of its triangles, all layers.
 
     Parameters
     ----------
     specimen : Specimen
         Densities and thicknesses.
     mesh : PlanarMesh
-        The flat bonded disc.
+        The flat bonded sheet.
     stretch : (float, float)
-        (lambda_x, lambda_y) of the prestretch, which thins the layers.
+        (lambda_x, lambda_y) of the prestretch, which thins the layers that it stretches.
     """
     per_area = np.zeros(len(mesh.triangles))
     for part in specimen.bonded_layers(stretch):
-        per_area[mesh.faces_in(part.regions)] += part.layer.density * part.thickness
+        per_area[mesh.faces_of(part.name)] += part.layer.density * part.thickness
     return sum_at_nodes(mesh.triangles, per_area * mesh.areas / 3)

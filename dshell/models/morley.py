@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.mesh.bonding import check_no_gap
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.morley_faces import MorleyFaces
@@ -27,9 +28,15 @@ class MorleyModel:
         What is released, on which planar mesh.
     settings : MorleySettings
         How strain varies through the thickness.
+
+    Raises
+    ------
+    InputError
+        A layer is cut away somewhere between two that lie there.
     """
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: MorleySettings) -> None:
+        check_no_gap(specimen, mesh)
         self._specimen, self._mesh = specimen, mesh
         self._quadratic = PROFILES[settings.profile]
         faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
@@ -43,9 +50,13 @@ class MorleyModel:
         laminate = self._laminate(stretch)
         return [faces.made_of(laminate.part(block)) for block, faces in self._blocks]
 
-    def bond_height(self, stretch: tuple[float, float]) -> float:
-        """Return how far the bond is above the substrate's mid-plane in the flat state, m."""
-        return -reference_height(self._specimen, stretch)
+    def reference_height(self, stretch: tuple[float, float]) -> float:
+        """Return how far the reference surface lies above the shell's own in the flat state, m.
+
+        The shell's own surface is the mid-plane of the carrier, see `Specimen.carrier`; that of
+        anything but a bilayer is the reference surface itself.
+        """
+        return -surface_height(self._specimen, stretch)
 
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energy of each layer, J."""
@@ -59,24 +70,24 @@ class MorleyModel:
 def specimen_layers(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float]
 ) -> list[ShellLayer]:
-    """Return the layers over the substrate's mid-plane in the flat bonded state, from the bottom.
+    """Return the layers over the carrier's mid-plane in the flat bonded state, from the bottom.
 
     Parameters
     ----------
     specimen, mesh
-        Thicknesses and materials; which triangles carry kirigami.
+        Thicknesses and materials; which triangles each layer covers.
     stretch : (float, float)
         (lambda_x, lambda_y) of the prestretch.
     """
-    reference = reference_height(specimen, stretch)
-    parts = [(part, mesh.faces_in(part.regions)) for part in specimen.bonded_layers(stretch)]
+    surface = surface_height(specimen, stretch)
+    parts = [(part, mesh.faces_of(part.name)) for part in specimen.bonded_layers(stretch)]
     return [
         ShellLayer(
             part.name,
             plane_stress_law(part.layer.material),
-            part.bottom - reference,
-            part.top - reference,
-            np.diag(part.stretch),
+            part.bottom - surface,
+            part.top - surface,
+            np.array(part.stretch),
             None if len(faces) == len(mesh.triangles) else faces,
         )
         for part, faces in parts
@@ -84,7 +95,10 @@ def specimen_layers(
     ]
 
 
-def reference_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
-    """Return the height of the shell's surface, the substrate's mid-plane, above the bond, m."""
-    substrate = specimen.bonded_layer("substrate", stretch)
-    return (substrate.bottom + substrate.top) / 2
+def surface_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
+    """Return the height of the shell's surface above the reference surface, m.
+
+    The shell's surface is the mid-plane of the carrier in the flat bonded state.
+    """
+    carrier = specimen.bonded_layer(specimen.carrier.name, stretch)
+    return (carrier.bottom + carrier.top) / 2

@@ -18,8 +18,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.mesh.planar import KIRIGAMI, PlanarMesh
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.two_layers import KIRIGAMI, LAYERS
 from dshell.energies.edge_springs import EdgeSprings
 from dshell.energies.hinges import Hinges
 from dshell.energies.topology import Topology
@@ -71,7 +72,8 @@ def rest_state(specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float
     edge = mesh.points[topology.edges[:, 1]] - mesh.points[topology.edges[:, 0]]
     length = np.linalg.norm(edge, axis=1)
     thickness = specimen.bonded_layer("substrate", stretch).thickness
-    stretching = edge_stiffness(specimen.substrate.material.young_modulus, thickness, length)
+    substrate = specimen.layer("substrate").material
+    stretching = edge_stiffness(substrate.young_modulus, thickness, length)
     springs = EdgeSprings(topology.edges, stretching, np.linalg.norm(edge / stretch, axis=1))
     bilayer = np.all(mesh.region[topology.hinge_faces] == KIRIGAMI, axis=1)
     bending = hinge_stiffness(specimen, thickness)
@@ -87,13 +89,13 @@ def edge_stiffness(young_modulus: float, thickness: float, length: Array) -> Arr
 
 def hinge_stiffness(specimen: Specimen, substrate_thickness: float) -> float:
     """Return k_b of the bilayer's hinges, J (eq. 5)."""
-    substrate, kirigami = specimen.substrate.material, specimen.kirigami.material
+    substrate, kirigami = (specimen.layer(name) for name in LAYERS)
     inertia = effective_inertia(
         substrate_thickness,
-        specimen.kirigami.thickness,
-        substrate.young_modulus / kirigami.young_modulus,
+        kirigami.thickness,
+        substrate.material.young_modulus / kirigami.material.young_modulus,
     )
-    return 2 / math.sqrt(3) * kirigami.young_modulus * inertia
+    return 2 / math.sqrt(3) * kirigami.material.young_modulus * inertia
 
 
 def effective_inertia(substrate: float, kirigami: float, modular_ratio: float) -> float:

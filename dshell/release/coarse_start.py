@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 GAIN = 4
 """A mesh is fine where it has so many times the triangles of the coarse one."""
 OTHER_CUT = 0.05
-"""Share of the area where two meshes disagree on the kirigami, above which their cuts differ.
+"""Share of the area where two meshes disagree on the layers, above which their patterns differ.
 
-Two meshes of 150 and more triangles with the same cut disagree on less than 0.025."""
+Two meshes of 150 and more triangles with the same patterns disagree on less than 0.035."""
 
 
 def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarMesh | None:
@@ -40,12 +40,12 @@ def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarM
     Returns
     -------
     PlanarMesh or None
-        None where the mesh is not fine, has another cut than the specimen (a turned one, or one of
+        None if the mesh is not fine, has other patterns than the specimen (turned ones, or some of
         its own), or a coarse one cannot be drawn.
     """
     if triangles == 0 or len(mesh.triangles) <= GAIN * triangles:
         return None
-    size = MeshSize(size_for(triangles, specimen.outer_radius))
+    size = MeshSize(size_for(triangles, specimen.characteristic_length))
     try:
         coarse = generate_mesh(replace(specimen, mesh=size))
     except BilayerError:  # gmsh is not there, or it cannot draw strips so coarsely
@@ -59,31 +59,61 @@ def _disagreement(coarse: PlanarMesh, fine: PlanarMesh) -> float:
     """Return the share of the area where a mesh and the nearest triangles of another differ."""
     centres, others = (mesh.points[mesh.triangles].mean(axis=1) for mesh in (fine, coarse))
     _, nearest = cKDTree(others).query(centres)
-    differs = fine.region != coarse.region[nearest]
+    numbers = {names: number for number, names in enumerate(coarse.layer_sets)}
+    region = np.array([numbers.get(names, -1) for names in fine.layer_sets])[fine.region]
+    differs = region != coarse.region[nearest]
     return float(fine.areas[differs].sum() / fine.areas.sum())
 
 
 def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
     """Return a smooth surface through the nodes of a coarse mesh at those of a fine one.
 
-    The coarse rim is a polygon within the fine one. So that nothing is extrapolated, the fine mesh
-    is shrunk into it, and the surface grows again by as much.
+    The coarse rim is a polygon within the fine one. So that nothing is extrapolated there, the fine
+    mesh is shrunk into the convex hull of the coarse one, and the surface grows again by as much.
 
     Parameters
     ----------
     shape : (n, 3) array of float
         Positions of the coarse mesh's nodes, m.
     coarse, fine : PlanarMesh
-        Of the same disc.
+        Of the same sheet.
 
     Returns
     -------
     (m, 3) array of float
         Positions of the fine mesh's nodes, m.
     """
-    from scipy.interpolate import CloughTocher2DInterpolator  # seldom needed, slow to load
+    from dshell.release.smooth_surface import SmoothSurface  # seldom needed, slow to load
 
-    inside = -ConvexHull(coarse.points).equations[:, 2].max()  # the nearest side's distance
-    share = (1 - 1e-9) * inside / np.linalg.norm(fine.points, axis=1).max()
-    surface: Array = CloughTocher2DInterpolator(coarse.points, shape)(share * fine.points)
-    return surface / share
+    centre = coarse.centroid
+    share = (1 - 1e-9) * _share_within_hull(coarse.points - centre, fine, centre)
+    surface = SmoothSurface(coarse, shape).at(centre + share * (fine.points - centre))
+    grown: Array = np.divide(surface, share)
+    return grown
+
+
+def _share_within_hull(hull: Array, fine: PlanarMesh, centre: Array) -> float:
+    """Return how much a fine mesh has to shrink about a centre to lie in the hull of points.
+
+    The rim between two nodes is taken to bulge as a circle around the centre does, so that the
+    share does not depend on where exactly its nodes lie.
+
+    Parameters
+    ----------
+    hull : (n, 2) array of float
+        The points, from the centre, m.
+    fine : PlanarMesh
+        What shrinks.
+    centre : (2,) array of float
+        Within the hull, m.
+    """
+    sides = ConvexHull(hull).equations
+    normals, distances = sides[:, :2], -sides[:, 2]
+    points = fine.points - centre
+    x, y = np.moveaxis(points[fine.boundary_edges], 2, 0)  # of both ends of each edge
+    along = np.multiply.outer(normals[:, 0], x) + np.multiply.outer(normals[:, 1], y)
+    aside = np.multiply.outer(normals[:, 0], y) - np.multiply.outer(normals[:, 1], x)
+    passed = (along > 0).all(axis=2) & (aside.min(axis=2) <= 0) & (aside.max(axis=2) >= 0)
+    bulge = np.where(passed, np.hypot(x, y).max(axis=1), 0.0).max(axis=1)
+    reach = np.maximum((points @ normals.T).max(axis=0), bulge)
+    return float(min(1.0, (distances / reach).min()))

@@ -19,10 +19,11 @@ from bilayer.results.schema import UNKNOWN_STABILITY
 from bilayer.results.starting import FLAT
 from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedError
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
-from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
 from dshell.models.paper_rest_state import Ramp, rest_state
+from dshell.models.reference_surface import reference_surface_over
 from dshell.release.effort import NO_EFFORT, ShellEffort
 from dshell.release.specimen_path import VERSIONS
 from dshell.release.specimen_shell import UNSTRETCHED, Stretch
@@ -77,9 +78,9 @@ class PaperShape:
 
     @property
     def position(self) -> Array:
-        """The bonded interface, m, shape (n, 3)."""
+        """The reference surface, m, shape (n, 3)."""
         mesh, height = self.run.mesh, self.run.thickness / 2
-        return bonded_interface(self.motion.position, mesh.triangles, mesh.areas, height)
+        return reference_surface_over(self.motion.position, mesh.triangles, mesh.areas, height)
 
     @property
     def energy(self) -> Mapping[str, float]:
@@ -241,7 +242,7 @@ def flat_start(mesh: PlanarMesh, thickness: float) -> Motion:
 
 def force_scale(specimen: Specimen, thickness: float) -> float:
     """Return the force that the tolerance is relative to, Y_s t_s R, N."""
-    return specimen.substrate.material.young_modulus * thickness * specimen.outer_radius
+    return specimen.carrier.material.young_modulus * thickness * specimen.characteristic_length
 
 
 def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
@@ -256,13 +257,14 @@ def _check_input(specimen: Specimen) -> None:
             f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "
             "weight (its gravity tapers to zero), expected 0"
         )
-    if specimen.kirigami_side != "above":
+    layers = TwoLayers.of(specimen, "model = 'paper'")
+    if layers.kirigami_side != "above":
         raise InputError(
-            f"kirigami.side = {specimen.kirigami_side!r}: the paper's model has the kirigami layer "
+            f"kirigami.side = {layers.kirigami_side!r}: the paper's model has the kirigami layer "
             "above the substrate, expected 'above'"
         )
-    if specimen.prestretch.layers != ("substrate",):
+    if layers.stretched != ("substrate",) or not layers.follow_the_path:
         raise InputError(
-            f"prestretch.layers = {list(specimen.prestretch.layers)}: the paper's model stretches "
+            f"prestretch.layers = {list(layers.stretched)}: the paper's model stretches "
             "the substrate alone, expected ['substrate']"
         )

@@ -16,17 +16,21 @@ Array = NDArray[np.float64]
 
 
 def held_nodes(mesh: PlanarMesh) -> HeldNodes:
-    """Return the nodes that are held: the centre, a far one along x, one that spans the most."""
+    """Return the nodes that are held: the centre, a far one along x, one that spans the most.
+
+    The far one lies in the direction of x, unless the sheet reaches twice as far in the other.
+    """
     centre = mesh.centre_node
     arms = mesh.points - mesh.points[centre]
-    far = int(np.argmax(arms[:, 0]))
+    along = arms[:, 0]
+    far = int(np.argmax(np.where(along > 0, 2 * along, -along)))
     side = int(np.argmax(np.abs(arms[far, 0] * arms[:, 1] - arms[far, 1] * arms[:, 0])))
     return centre, far, side
 
 
 def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
     """Return the nodes where a specimen is held: see `bilayer.specimen.support`."""
-    return clamped_at_centre(mesh.points) if specimen.gravity else held_nodes(mesh)
+    return clamped_at_centre(mesh.points, mesh.centroid) if specimen.gravity else held_nodes(mesh)
 
 
 def held_coordinates(nodes: HeldNodes) -> NDArray[np.int64]:

@@ -49,28 +49,36 @@ class VolumeMesh:
         Layer of each tetrahedron, 0 for the lowest.
     vertex_at : (levels, n) array of int
         Vertex over each planar node at each level, from the bottom up; -1 where there is none.
-    bond : int
-        The level at z = 0.
+    heights : (levels,) array of float
+        Of the levels, m.
+    layer_between : (levels - 1,) array of int
+        Layer between each level and the next.
     """
 
     points: NDArray[np.float64]
     cells: NDArray[np.int64]
     layer: NDArray[np.int64]
     vertex_at: NDArray[np.int64]
-    bond: int
+    heights: NDArray[np.float64]
+    layer_between: NDArray[np.int64]
 
     @property
-    def interface(self) -> NDArray[np.int64]:
+    def reference_level(self) -> int:
+        """The level at z = 0."""
+        return int(np.flatnonzero(self.heights == 0)[0])
+
+    @property
+    def reference_surface(self) -> NDArray[np.int64]:
         """Vertex at z = 0 over each planar node, shape (n,)."""
-        return self.vertex_at[self.bond]
+        return self.vertex_at[self.reference_level]
 
     def vertices_of(self, layer: int) -> NDArray[np.int64]:
         """Vertices of the cells of a layer, ascending."""
         return np.unique(self.cells[self.layer == layer])
 
 
-def extrude(mesh: PlanarMesh, slabs: Sequence[Slab], below: int = 1) -> VolumeMesh:
-    """Stack slabs on the planar mesh.
+def extrude(mesh: PlanarMesh, slabs: Sequence[Slab], below: float = 1.0) -> VolumeMesh:
+    """Stack slabs on the planar mesh, a layer each.
 
     Parameters
     ----------
@@ -78,32 +86,63 @@ def extrude(mesh: PlanarMesh, slabs: Sequence[Slab], below: int = 1) -> VolumeMe
         Its nodes are repeated at every level.
     slabs : sequence of Slab
         From the bottom up; one of those at z = 0 covers every triangle.
-    below : int
-        How many of them lie below z = 0.
+    below : float
+        How many of them lie below z = 0: 1.5 is the first and half of the second, whose elements
+        then must have a level there.
     """
     n = len(mesh.points)
-    bottoms = [
-        sum(s.thickness for s in slabs[below:index]) - sum(s.thickness for s in slabs[index:below])
-        for index in range(len(slabs))
+    heights = _heights(slabs, below)
+    layer_between = np.repeat(np.arange(len(slabs)), [slab.elements for slab in slabs])
+    mirrored = 0 if float(below).is_integer() else np.flatnonzero(heights == 0)[0]
+    cells = [
+        _tetrahedra(slabs[index].triangles, n * level, n * (level + 1), level < mirrored)
+        for level, index in enumerate(layer_between)
     ]
-    heights, cells, layer = [bottoms[0]], [], []
-    for index, slab in enumerate(slabs):
-        for element in range(slab.elements):
-            bottom = np.sort(slab.triangles, axis=1) + (len(heights) - 1) * n
-            prisms = np.hstack([bottom, bottom + n])
-            tetrahedra = prisms[:, _PRISM_TO_TETRAHEDRA].reshape(-1, 4)
-            cells.append(tetrahedra)
-            layer.append(np.full(len(tetrahedra), index))
-            heights.append(bottoms[index] + slab.thickness * (element + 1) / slab.elements)
+    layer = np.repeat(layer_between, [len(part) for part in cells])
     used, numbered = np.unique(np.concatenate(cells), return_inverse=True)
     vertex_at = np.full(len(heights) * n, -1)
     vertex_at[used] = np.arange(len(used))
     level, node = np.divmod(used, n)
-    points = np.column_stack([mesh.points[node], np.array(heights)[level]])
     return VolumeMesh(
-        points,
+        np.column_stack([mesh.points[node], heights[level]]),
         numbered.reshape(-1, 4),
-        np.concatenate(layer),
+        layer,
         vertex_at.reshape(len(heights), n),
-        bond=sum(slab.elements for slab in slabs[:below]),
+        heights,
+        layer_between,
     )
+
+
+def _tetrahedra(
+    triangles: NDArray[np.int64], bottom: int, top: int, is_mirrored: bool
+) -> NDArray[np.int64]:
+    """Return the prisms on triangles, cut into tetrahedra, or into those of the mirror image.
+
+    The nodes below and above are numbered by so many more than those of the triangles.
+    """
+    corners = np.sort(triangles, axis=1)
+    levels = (top, bottom) if is_mirrored else (bottom, top)
+    prisms = np.hstack([corners + level for level in levels])
+    return prisms[:, _PRISM_TO_TETRAHEDRA].reshape(-1, 4)
+
+
+def _heights(slabs: Sequence[Slab], below: float) -> NDArray[np.float64]:
+    """Return the heights of all levels, m."""
+    whole = int(below)
+    thicknesses = [slab.thickness for slab in slabs]
+    part = (below - whole) * thicknesses[whole] if below > whole else 0.0
+    bottoms = [
+        sum(thicknesses[whole:index]) - sum(thicknesses[index:whole]) - part
+        for index in range(len(slabs))
+    ]
+    heights = [bottoms[0]]
+    for bottom, slab in zip(bottoms, slabs, strict=True):
+        steps = range(1, slab.elements + 1)
+        heights += [bottom + slab.thickness * step / slab.elements for step in steps]
+    level = sum(slab.elements for slab in slabs[:whole])
+    if below > whole:
+        level += int((below - whole) * slabs[whole].elements)
+    if abs(heights[level]) > 1e-9 * sum(thicknesses):
+        raise ValueError(f"below = {below}: expected a level of the mesh")
+    heights[level] = 0.0  # but for round-off
+    return np.array(heights)

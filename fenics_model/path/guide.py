@@ -26,8 +26,8 @@ class GuideRule:
     Parameters
     ----------
     far_from_balance : float
-        Residual of a guess, over the reference, above which it is settled with the interface held.
-        A nearer one is settled, too, if Newton's method fails from it.
+        Residual of a guess, over the reference, above which it is settled with its surface held. A
+        nearer one is settled, too, if Newton's method fails from it.
     settled : float
         To what part of the reference it is settled.
     elsewhere : float
@@ -50,9 +50,9 @@ class Guide:
     newton : Newton
         Solves for the equilibria.
     extrude : callable
-        Makes a state of a shape of the interface, with the natural states of the moment.
+        Makes a state of a shape of the reference surface, with the natural states of the moment.
     settle : callable
-        Relaxes a state to a norm of the residual, the interface held; returns the outcome.
+        Relaxes a state to a norm of the residual, that surface held; returns the outcome.
     rule : GuideRule, optional
         How far it is trusted.
 
@@ -83,7 +83,7 @@ class Guide:
         Parameters
         ----------
         shapes : mapping of float to (n, 3) array of float
-            The bonded interface by path parameter, m, where the solid is held.
+            The reference surface by path parameter, m, where the solid is held.
         """
         self._shapes, self._states = dict(shapes), {}
 

@@ -1,8 +1,8 @@
 """A first guess of the solid's state from the shape of another result on the same planar mesh.
 
-The bonded interface is extruded along its normals, each fibre shortened by what the surface has
+The reference surface is extruded along its normals, each fibre shortened by what the surface has
 stretched (the layers keep their volume), and the pressures are those of a plane stress state.
-What this leaves of shear and of squeezed fibres is relaxed with the interface held (`settle`);
+What this leaves of shear and of squeezed fibres is relaxed with that surface held (`settle`);
 released with it, Newton's method would wander.
 """
 
@@ -33,20 +33,20 @@ def settle(
     options: str = "",
     stopwatch: Stopwatch | None = None,
 ) -> NewtonOutcome:
-    """Solve for everything but the interface's vertices, which stay where a guess has them."""
+    """Solve for everything but the reference surface, which stays where a guess has it."""
     here = solid.function_of(guess)
-    interface = [
+    surface = [
         fem.dirichletbc(
-            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.interface)
+            here, solid.mesh.dofs_at(solid.component(axis), solid.mesh.volume.reference_surface)
         )
         for axis in range(3)
     ]
-    with Newton(solid, [*held, *interface], options=options, stopwatch=stopwatch) as newton:
+    with Newton(solid, [*held, *surface], options=options, stopwatch=stopwatch) as newton:
         return newton.solve(guess, tolerance)
 
 
 class Extrusion:
-    """Makes states of the solid from shapes of its interface.
+    """Makes states of the solid from shapes of its reference surface.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Extrusion:
         Parameters
         ----------
         shape : (n, 3) array of float
-            The deformed interface on the nodes, m.
+            The deformed reference surface on the nodes, m.
         """
         solid = self._solid
         fibres = _Fibres(solid, self._mesh, shape)
@@ -114,20 +114,34 @@ class Extrusion:
         return [fem.form(integral, jit_options=JIT_OPTIONS) for integral in sums]
 
 
+def bonded_heights(solid: Solid) -> NDArray[np.float64]:
+    """Return the height of each level of the mesh in the flat bonded state, m, (levels,)."""
+    volume = solid.mesh.volume
+    shrinking = np.array([1 / _determinant(layer.natural.value) for layer in solid.layers])
+    steps = np.diff(volume.heights) * shrinking[volume.layer_between]
+    heights = np.concatenate([[0.0], np.cumsum(steps)])
+    return np.asarray(heights - heights[volume.reference_level])
+
+
+def _determinant(natural: NDArray[np.float64]) -> float:
+    """Return det G of a natural state, see `strain_energy.natural_tensor`."""
+    x, shear, y, thickness = natural
+    return float((x * y - shear * shear) * thickness)
+
+
 class _Fibres:
-    """The normals of the deformed interface, along which the layers' vertices lie."""
+    """The normals of the deformed surface, along which the layers' vertices lie."""
 
     def __init__(self, solid: Solid, mesh: PlanarMesh, shape: NDArray[np.float64]) -> None:
         volume = solid.mesh.volume
         self._surface = shape
         self._normal, area_stretch = _normals_and_stretch(mesh, shape)
+        level, node = np.nonzero(volume.vertex_at >= 0)
+        vertex = volume.vertex_at[level, node]
         self._node = np.empty(len(volume.points), dtype=np.int64)
-        _, nodes = np.nonzero(volume.vertex_at >= 0)
-        self._node[volume.vertex_at[volume.vertex_at >= 0]] = nodes
-        ratios = [1 / np.prod(layer.natural.value) for layer in solid.layers]  # bonded over drawn
-        z = volume.points[:, 2]
-        bonded = z * np.where(z < 0, ratios[0], ratios[-1])
-        self._offset = bonded / area_stretch[self._node]
+        self._node[vertex] = node
+        self._offset = np.empty(len(volume.points))
+        self._offset[vertex] = bonded_heights(solid)[level] / area_stretch[node]
 
     def at_vertices(self, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
         """Deformed positions of vertices, m."""

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from bilayer.solvers.parameters import central_difference, parameter_value
 from bilayer.specimen.specimen import Specimen
 from fenics_model.path.release_path import LoadPlace, Stretch
-from fenics_model.release.specimen_solid import BilayerSolid
+from fenics_model.release.specimen_solid import SpecimenSolid
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State
 from fenics_model.solve.newton import Newton
@@ -18,11 +18,12 @@ class SolidLinearisation:
     """See `bilayer.solvers.contract.Linearised`; all vectors are those of `Numbering`.
 
     The state is the displacement of a mesh that is drawn as thick as the layers naturally are, and
-    the interface stays where it is drawn: so no parameter moves it while the state is fixed.
+    the reference surface stays where it is drawn. So no parameter moves it while the state is
+    fixed.
 
     Parameters
     ----------
-    body : BilayerSolid
+    body : SpecimenSolid
         The solid and its specimen.
     newton : Newton
         Solves.
@@ -36,7 +37,7 @@ class SolidLinearisation:
 
     def __init__(
         self,
-        body: BilayerSolid,
+        body: SpecimenSolid,
         newton: Newton,
         numbering: Numbering,
         state: State,
@@ -65,20 +66,20 @@ class SolidLinearisation:
             return self._numbering.gather(self._newton.residual(self._state))
 
     def position_by(self, parameter: str) -> Array:
-        """Return the derivative of the interface by a parameter, the state fixed: zero."""
+        """Return the derivative of the reference surface by a parameter, the state fixed: zero."""
         parameter_value(self._body.specimen, self._place.stretch, parameter)  # it has to be one
         return np.zeros((len(self._body.mesh.points), 3))
 
     def state_gradient(self, position_gradient: Array) -> Array:
-        """Return the gradient by the state of a function of the interface's position."""
+        """Return the gradient by the state of a function of the reference surface."""
         gradient = np.zeros(self._numbering.size)
-        gradient[self._interface] = position_gradient
+        gradient[self._surface] = position_gradient
         return gradient
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the interface moves with the state, (n, 3), m."""
-        return np.asarray(state_change[self._interface])
+        """Return how the reference surface moves with the state, (n, 3), m."""
+        return np.asarray(state_change[self._surface])
 
     @property
-    def _interface(self) -> NDArray[np.int64]:
-        return self._numbering.displacements_at(self._body.solid.mesh.volume.interface)
+    def _surface(self) -> NDArray[np.int64]:
+        return self._numbering.displacements_at(self._body.solid.mesh.volume.reference_surface)

@@ -11,10 +11,11 @@ from bilayer.mesh.generation import mesh_within_memory
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.results.starting import began, described
+from bilayer.runtime.memory import available_memory
 from bilayer.solvers.contract import Start
 from bilayer.specimen.specimen import Specimen
 from fenics_model.release.solid_path import SolidPath
-from fenics_model.settings import BYTES_PER_TRIANGLE, SolidSettings
+from fenics_model.settings import SolidSettings, bytes_per_triangle
 
 
 def open_solid_path(
@@ -27,7 +28,10 @@ def open_solid_path(
 ) -> SolidPath:
     """Return the path of a specimen's solid, on the ranks of `comm`; None: all."""
     comm = MPI.COMM_WORLD if comm is None else comm
-    planar: PlanarMesh = from_first_rank(comm, lambda: _make_mesh(specimen, mesh, settings))
+    available = available_memory(comm)
+    planar: PlanarMesh = from_first_rank(
+        comm, lambda: _make_mesh(specimen, mesh, settings, available)
+    )
     made, text = _make_start(start, planar, comm)
     shapes = None if made is None else StartShapes.of(made, planar)
     return SolidPath(specimen, planar, settings, comm, shapes, text)
@@ -47,10 +51,12 @@ def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:
     return made
 
 
-def _make_mesh(specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings) -> PlanarMesh:
-    elements = settings.substrate_elements + settings.kirigami_elements
-    needed = BYTES_PER_TRIANGLE * elements / 2
-    return mesh_within_memory(specimen, mesh, needed, "the finite-element model")
+def _make_mesh(
+    specimen: Specimen, mesh: PlanarMesh | None, settings: SolidSettings, available: float
+) -> PlanarMesh:
+    """Return the mesh of a run if the machines of all ranks together have the memory for it."""
+    needed = bytes_per_triangle(specimen, settings)
+    return mesh_within_memory(specimen, mesh, needed, "the finite-element model", available)
 
 
 def _make_start(start: Start, mesh: PlanarMesh, comm: MPI.Comm) -> tuple[xr.Dataset | None, str]:

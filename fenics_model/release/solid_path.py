@@ -32,8 +32,8 @@ from fenics_model.release.effort_fields import effort_dataset
 from fenics_model.release.linearisation import SolidLinearisation
 from fenics_model.release.saved_path import SavedPath
 from fenics_model.release.specimen_solid import (
-    bilayer_solid,
     held_points,
+    make_solid,
     uneven_lift,
 )
 from fenics_model.release.volume_fields import volume_dataset
@@ -49,7 +49,7 @@ REFERENCE_STRETCH = (1.001, 1.001)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
 
 FIRST_DISTANCE = 0.1
-"""Of the walk off an unstable milestone, over the substrate's thickness."""
+"""Of the walk off an unstable milestone, over the carrier's thickness."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +115,8 @@ class SolidEquilibrium:
 
     @property
     def position(self) -> Array:
-        """The interface on the nodes of the planar mesh, m, (n, 3)."""
-        return self.vertices[self._body.solid.mesh.volume.interface]
+        """The reference surface on the nodes of the planar mesh, m, (n, 3)."""
+        return self.vertices[self._body.solid.mesh.volume.reference_surface]
 
     @property
     def energy(self) -> Mapping[str, float]:
@@ -174,11 +174,11 @@ class SolidPath:
         shapes: StartShapes | None,
         start: str,
     ) -> None:
-        self.body = bilayer_solid(specimen, mesh, settings, comm)
+        self.body = make_solid(specimen, mesh, settings, comm)
         self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
-        self._nodes = support(mesh.points, specimen.gravity)
+        self._nodes = support(mesh.points, specimen.gravity, mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
             self._guide = self._make_guide()
@@ -227,17 +227,17 @@ class SolidPath:
 
     def _make_search(self) -> BranchSearch:
         specimen, settings = self.body.specimen, self.body.settings
-        radius, substrate = specimen.outer_radius, specimen.substrate
+        radius, carrier = specimen.characteristic_length, specimen.carrier
         flow = GradientFlow(
             self._newton,
-            first_viscosity=substrate.material.shear_modulus * substrate.thickness / radius**3,
+            first_viscosity=carrier.material.shear_modulus * carrier.thickness / radius**3,
             rule=FlowRule(step_limit=settings.flow_steps),
         )
         return BranchSearch(
             self._newton,
             flow,
-            first_distance=FIRST_DISTANCE * substrate.thickness,
-            side=uneven_lift(self.body, radius),
+            first_distance=FIRST_DISTANCE * carrier.thickness,
+            side=uneven_lift(self.body),
             rule=SearchRule(choice=settings.branch),
         )
 
@@ -286,7 +286,7 @@ class SolidPath:
             return {}
         found = self._shapes.take_shapes(begin, target)
         if not found and len(self.loads.milestones) == 1:
-            found = [self._shapes.nearest(target)]
+            found = [self._shapes.take_nearest(target)]
         return {
             goal - shape.remaining: placed(shape.shape, self.mesh.points, self._nodes)
             for shape in found

@@ -1,4 +1,4 @@
-"""The solid of a specimen: its two layers extruded, with natural states, loads and held points."""
+"""The solid of a specimen: its layers extruded, with natural states, loads and held points."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -11,27 +11,27 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import BondedLayer, Layer, Specimen
+from bilayer.specimen.layer import Layer, Tensor
+from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
 from fenics_model.path.release_path import LoadPlace, Stretch
-from fenics_model.settings import SolidSettings
+from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
-from fenics_model.solid.strain_energy import StrainEnergy, energy_constants
-
-UNSTRETCHED = (1.0, 1.0)
+from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
 
 
 @dataclass(frozen=True, eq=False)
-class BilayerSolid:
+class SpecimenSolid:
     """A specimen as a solid, and what of it can change.
 
     Parameters
     ----------
     solid : Solid
-        The layers, the lower one first.
+        The layers, from the bottom up.
     specimen : Specimen
         Whose layers they are.
     mesh : PlanarMesh
@@ -91,112 +91,124 @@ class BilayerSolid:
         """Set natural states, weight, densities and laws to those of a specimen."""
         self.prestretch(specimen, place.stretch)
         self.weight.value = specimen.gravity * place.weight
-        parts = layers_on(specimen, self.mesh)
-        for part, density, layer in zip(parts, self.densities, self.solid.layers, strict=True):
-            density.value = part.layer.density
-            set_law(layer.energy, part.layer)
+        layers = layers_on(specimen, self.mesh)
+        for own, density, layer in zip(layers, self.densities, self.solid.layers, strict=True):
+            density.value = own.density
+            set_law(layer.energy, own)
 
     def _drawn(self, specimen: Specimen) -> VolumeMesh:
-        return extruded(layers_on(specimen, self.mesh), self.mesh, self.settings)
+        return extruded(specimen, self.mesh, self.settings)
 
 
-def uneven_lift(body: BilayerSolid, radius: float) -> NDArray[np.float64]:
+def uneven_lift(body: SpecimenSolid) -> NDArray[np.float64]:
     """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
 
     Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
     at the centre and the same however the mesh is distributed; the phases n are in no symmetry.
-    It tells the two sides of a mode apart.
+    It tells the two sides of a mode apart. R is the sheet's characteristic length.
 
     Parameters
     ----------
-    body : BilayerSolid
-        To be lifted.
-    radius : float
-        R, m.
+    body : SpecimenSolid
+        To be lifted, about its centre.
 
     Returns
     -------
     array of float
         A change of the state, this rank's dofs.
     """
+    x0, y0 = body.mesh.centroid
 
     def lift(x: NDArray[np.float64]) -> NDArray[np.float64]:
-        place = (x[0] + 1j * x[1]) / radius
+        place = (x[0] - x0 + 1j * (x[1] - y0)) / body.specimen.characteristic_length
         waves = sum((place**n * np.exp(-1j * n * n)).real for n in range(2, 7))
         return np.stack([0 * x[0], 0 * x[0], waves])
 
     return body.solid.interpolate(lift).values
 
 
-def natural_state(stretch: tuple[float, float], thickness_rule: str) -> tuple[float, float, float]:
-    """Return (lx, ly, s) of a layer, see `strain_energy`.
+def natural_state(stretch: Tensor, thickness_rule: str) -> tuple[float, float, float, float]:
+    """Return (Uxx, Uxy, Uyy, s) of a layer, see `strain_energy.natural_tensor`.
 
     Drawn with its natural thickness ("natural"), the mesh is stretched in plane alone, s = 1. Drawn
-    with its bonded thickness ("constant"), it also has the thinning, s = 1 / (lx ly).
+    with its bonded thickness ("constant"), it also has the thinning, s = 1 / det U.
     """
-    x, y = stretch
-    return (x, y, 1.0) if thickness_rule == "natural" else (x, y, 1 / (x * y))
+    (x, shear), (_, y) = stretch
+    thinning = 1.0 if thickness_rule == "natural" else 1 / (x * y - shear * shear)
+    return x, shear, y, thinning
 
 
-def bilayer_solid(
+def make_solid(
     specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings, comm: MPI.Comm
-) -> BilayerSolid:
+) -> SpecimenSolid:
     """Build the solid of a specimen on a planar mesh.
 
     Both ways of drawing a stretched layer have the `thickness` of the specimen's `Layer`: it is the
     natural thickness by one rule and the bonded one by the other.
     """
-    parts = layers_on(specimen, mesh)
-    layered = LayeredMesh(extruded(parts, mesh, settings), comm)
+    layers = layers_on(specimen, mesh)
+    layered = LayeredMesh(extruded(specimen, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
-    densities = tuple(_constant(layered, part.layer.density) for part in parts)
-    acceleration = -weight + saddle * _saddle_shape(layered, specimen.outer_radius)
+    densities = tuple(_constant(layered, layer.density) for layer in layers)
+    parts = []
+    for layer, density in zip(layers, densities, strict=True):
+        acceleration = -weight + saddle * _saddle_shape(layered, saddle_on(layer, specimen, mesh))
+        parts.append(_solid_layer(layered, layer, density * acceleration))
     solid = Solid(
         layered,
-        [
-            _solid_layer(layered, part.layer, density * acceleration)
-            for part, density in zip(parts, densities, strict=True)
-        ],
-        pressure_scale=specimen.substrate.material.shear_modulus / specimen.substrate.thickness,
+        parts,
+        pressure_scale=specimen.carrier.material.shear_modulus / specimen.carrier.thickness,
         quadrature_degree=settings.quadrature_degree,
     )
-    names = tuple(part.name for part in parts)
-    return BilayerSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
+    names = tuple(layer.name for layer in layers)
+    return SpecimenSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
 
 
-def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[BondedLayer]:
-    """Return the unstretched layers that a planar mesh has any triangles of, the lower one first.
-
-    Unstretched, they have the thickness with which they are drawn.
-    """
-    layers = specimen.bonded_layers(UNSTRETCHED)
-    return [part for part in layers if len(mesh.faces_in(part.regions))]
+def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
+    """Return the layers that a planar mesh has any triangles of, from the bottom up."""
+    return [layer for layer in specimen.layers if len(mesh.faces_of(layer.name))]
 
 
-def extruded(parts: Sequence[BondedLayer], mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
-    """Extrude the planar mesh, each layer where it lies."""
-    elements = {
-        "substrate": settings.substrate_elements,
-        "kirigami": settings.kirigami_elements,
-    }
+def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+    """Extrude the planar mesh, each layer where it lies, the reference surface at z = 0."""
+    layers = layers_on(specimen, mesh)
     slabs = [
-        Slab(part.thickness, elements[part.name], mesh.triangles[mesh.faces_in(part.regions)])
-        for part in parts
+        Slab(
+            layer.thickness,
+            elements_through(layer.name, specimen, settings),
+            mesh.triangles[mesh.faces_of(layer.name)],
+        )
+        for layer in layers
     ]
-    return extrude(mesh, slabs, below=sum(not part.is_above for part in parts))
+    return extrude(mesh, slabs, below=_layers_below(specimen, layers))
+
+
+def _layers_below(specimen: Specimen, layers: Sequence[Layer]) -> float:
+    """Return how many of some layers, and what part of one, lie below the reference surface."""
+    surface, names = specimen.reference_surface, specimen.layer_names
+    number = names.index(surface.layer)
+    below = sum(names.index(layer.name) < number for layer in layers)
+    is_there = any(layer.name == surface.layer for layer in layers)
+    return below + surface.share if is_there else below
+
+
+def saddle_on(layer: Layer, specimen: Specimen, mesh: PlanarMesh) -> SaddleLoad:
+    """Return the saddle-shaped load that is in balance on a layer, whatever its mass."""
+    triangles = mesh.triangles[mesh.faces_of(layer.name)]
+    return SaddleLoad.on_plate(mesh.points, triangles, specimen.characteristic_length)
 
 
 def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
-    """Return the six vertex components at the interface that are held, by nodes of the plane."""
-    a, b, c = volume.interface[list(nodes)]
+    """Return the six vertex components at the reference surface that are held, by planar nodes."""
+    a, b, c = volume.reference_surface[list(nodes)]
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
 
 
 def _solid_layer(mesh: LayeredMesh, layer: Layer, weight_density: Any) -> SolidLayer:
     """Return a layer under a dead force per natural volume, N/m3."""
-    natural = _constant(mesh, (1.0, 1.0, 1.0))
+    natural = _constant(mesh, (1.0, 0.0, 1.0, 1.0))
     # det G volumes of mesh hold one natural volume, which is what the density is for
-    force = weight_density / (natural[0] * natural[1] * natural[2])
+    force = weight_density / ufl.det(natural_tensor(natural))
     return SolidLayer(strain_energy(mesh, layer), natural, ufl.as_vector((0, 0, force)))
 
 
@@ -211,14 +223,16 @@ def set_law(energy: StrainEnergy, layer: Layer) -> None:
     """Give an energy made by `strain_energy` the constants of a layer's law."""
     _, values = energy_constants(layer.material)
     for name, value in values.items():
-        getattr(energy, name).value = value
+        energy.symbols[name].value = value
 
 
 def _constant(mesh: LayeredMesh, value: float | tuple[float, ...]) -> fem.Constant:
     return fem.Constant(mesh.mesh, np.asarray(value, dtype=default_scalar_type))
 
 
-def _saddle_shape(mesh: LayeredMesh, radius: float) -> Any:
-    """(X^2 - Y^2) / R^2: a load that is in balance with itself on a disc."""
-    X = ufl.SpatialCoordinate(mesh.mesh)
-    return (X[0] ** 2 - X[1] ** 2) / _constant(mesh, radius) ** 2
+def _saddle_shape(mesh: LayeredMesh, load: SaddleLoad) -> Any:
+    """Return the acceleration of a load, over its size, its numbers free of the compiled forms."""
+    x, y, _ = ufl.SpatialCoordinate(mesh.mesh)
+    a, b, c = load.affine
+    free = SaddleLoad(_constant(mesh, load.length), _constant(mesh, (a, b, c)))
+    return free.at(x, y)

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.specimen.specimen import LAYERS
+from bilayer.specimen.two_layers import LAYERS
 from fenics_model.mesh.volume_mesh import VolumeMesh
 
 
@@ -23,13 +23,14 @@ def volume_dataset(
     volume : VolumeMesh
         The undeformed mesh (of the natural thickness, or the bonded one).
     layer_names : sequence of str
-        Of its layers, the lower one first.
+        Of its layers, from the bottom up.
     positions : sequence of (v, 3) array of float or None
         Deformed vertices at the milestones in order, m; None if it was not reached.
     milestones : int
         Number of milestones; those not reached become NaN.
     """
-    number = np.array([LAYERS.index(name) for name in layer_names])
+    known = LAYERS if set(layer_names) <= set(LAYERS) else tuple(layer_names)
+    number = np.array([known.index(name) for name in layer_names])
     reached = np.full((milestones, *volume.points.shape), np.nan)
     for row, position in zip(reached, positions, strict=False):
         if position is not None:
@@ -46,7 +47,7 @@ def volume_dataset(
                     "topology_dimension": np.int32(3),
                     "node_coordinates": "volume_reference_x volume_reference_y volume_reference_z",
                     "volume_node_connectivity": "volume_cells",
-                    "long_name": "both layers as a mesh of tetrahedra",
+                    "long_name": "the layers as a mesh of tetrahedra",
                 },
             ),
             **{
@@ -78,8 +79,8 @@ def volume_dataset(
                 on_cells
                 | {
                     "long_name": "layer of the cell",
-                    "flag_values": np.arange(len(LAYERS), dtype=np.int32),
-                    "flag_meanings": " ".join(LAYERS),
+                    "flag_values": np.arange(len(known), dtype=np.int32),
+                    "flag_meanings": " ".join(known),
                 },
             ),
         }

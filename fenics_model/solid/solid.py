@@ -23,6 +23,7 @@ from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import StrainEnergy, stress
 from fenics_model.solid.tangent import ExtrapolatedTangent
+from fenics_model.solid.unknown import Unknown
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ class SolidLayer:
     ----------
     energy : StrainEnergy
         The law.
-    natural : dolfinx Constant of shape (3,)
-        The natural state (lx, ly, s) of `strain_energy`; its value may change along a load path.
+    natural : dolfinx Constant of shape (4,)
+        See `strain_energy.natural_tensor`; its value may change along a load path.
     body_force : UFL vector
         Dead force per volume of the mesh, N/m3.
     """
@@ -66,7 +67,7 @@ class Solid:
     ----------
     space : dolfinx.fem.FunctionSpace
         Of displacement and pressures.
-    unknown : dolfinx.fem.Function
+    unknown : Unknown
         The state at which the forms are evaluated.
     residual : dolfinx.fem.Form
         First derivative of the potential energy.
@@ -92,7 +93,7 @@ class Solid:
         self.space = fem.functionspace(
             mesh.mesh, basix.ufl.mixed_element([quadratic, *[linear] * len(layers)])
         )
-        self.unknown = fem.Function(self.space)
+        self.unknown = Unknown(self.space)
         self.dx = ufl.Measure(
             "dx", mesh.mesh, subdomain_data=mesh.layer_tags,
             metadata={"quadrature_degree": quadrature_degree},

@@ -1,21 +1,23 @@
 """Strain energies in UFL: a material is its energy, stresses follow by differentiation.
 
 Each law gives the energy per volume of the mesh from the mesh's own C = grad(x)^T grad(x) and
-J = det grad(x), the natural state and the pressure. The natural state is a diagonal
-G = diag(lx, ly, s): the elastic gradient is Fe = grad(x) G, and det G volumes of mesh hold one
-natural volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
+J = det grad(x), the natural state and the pressure. The natural state is a symmetric tensor G, see
+`natural_tensor`: the elastic gradient is Fe = grad(x) G, and det G volumes of mesh hold one natural
+volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
 
 The energies are mixed: p is an unknown of its own, whose stationarity gives p = U'(J) (or
 p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, Protocol
 
 import ufl
 
-from bilayer.specimen.material import Law, LinearElastic, MooneyRivlin
+from bilayer.specimen.materials import Hyperelastic, Law, LinearElastic
+from fenics_model.solid.unknown import freeze
 
 
 class StrainEnergy(Protocol):
@@ -30,35 +32,83 @@ class StrainEnergy(Protocol):
             grad(x)^T grad(x), the deformation of the mesh without its rotation.
         J : UFL scalar
             det grad(x), which tells an inverted element from its mirror image.
-        natural : UFL vector (3,)
-            (lx, ly, s), see the module.
+        natural : UFL vector (4,)
+            See `natural_tensor`.
         pressure : UFL scalar
             The independent pressure (positive in tension), Pa.
         """
         ...
 
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """What stands for the constants of the law, by the names of `energy_constants`."""
+        ...
+
+
+class UFLFunctions:
+    """`bilayer.specimen.materials.Functions` of UFL expressions."""
+
+    def log(self, x: Any, /) -> Any:
+        """Return the natural logarithm."""
+        return ufl.ln(x)
+
+    def sqrt(self, x: Any, /) -> Any:
+        """Return the square root."""
+        return ufl.sqrt(x)
+
+    def exp(self, x: Any, /) -> Any:
+        """Return the exponential."""
+        return ufl.exp(x)
+
+
+_FUNCTIONS = UFLFunctions()
+
 
 @dataclass(frozen=True)
-class MooneyRivlinEnergy:
-    """W = C10 (I1bar - 3) + C01 (I2bar - 3) + p (J - 1) - p^2 D1 / 4.
+class HyperelasticEnergy:
+    """W = w(I1, I2) + p (J - 1) - p^2 D1 / 4, w the law's own energy of the isochoric invariants.
 
-    The convention of Abaqus, whose U = (J - 1)^2 / D1 is regained by p = 2 (J - 1) / D1. The
-    constants may be floats or UFL constants; units Pa and 1/Pa.
+    The convention of Abaqus, whose U = (J - 1)^2 / D1 is regained by p = 2 (J - 1) / D1.
+
+    UFL differentiates w if it is linear in the invariants, as Mooney-Rivlin's. Of any other w it
+    differentiates the expansion to the second order about the present invariants,
+
+        w + w_1 (I1 - present) + w_2 (I2 - present) + w_11 (I1 - present)^2 / 2 + ...,
+
+    which has the value and the first two derivatives of w, and of which w and its derivatives are
+    numbers: compiling a long w, such as Ogden's, takes a third of the time. The third derivative is
+    another; nothing here needs it.
+
+    Parameters
+    ----------
+    law : Hyperelastic
+        With numbers, or with UFL constants in their place.
     """
 
-    c10: Any
-    c01: Any
-    d1: Any
+    law: Hyperelastic
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
-        G = ufl.diag(natural)
-        Ce, Je = G * C * G, J * ufl.det(G)
-        I1 = ufl.tr(Ce)
-        I2 = (I1**2 - ufl.tr(Ce * Ce)) / 2
-        isochoric = self.c10 * (Je ** (-2 / 3) * I1 - 3) + self.c01 * (Je ** (-4 / 3) * I2 - 3)
-        volumetric = pressure * (Je - 1) - pressure**2 * self.d1 / 4
+        G = natural_tensor(natural)
+        B, Je = G * G, J * ufl.det(G)
+        I1, I2 = ufl.inner(C, B), ufl.inner(ufl.cofac(C), ufl.cofac(B))  # of Ce = G C G
+        k = ufl.exp(-2 / 3 * ufl.ln(Je))
+        isochoric = self._isochoric(k * I1, k * k * I2)
+        volumetric = pressure * (Je - 1) - pressure**2 * self.law.d1 / 4
         return (isochoric + volumetric) / ufl.det(G)
+
+    def _isochoric(self, I1: Any, I2: Any) -> Any:
+        present = freeze(I1), freeze(I2)
+        w = self.law.slopes(*present, _FUNCTIONS)
+        if w.is_linear:
+            return self.law.energy(I1, I2, _FUNCTIONS)
+        change = I1 - present[0], I2 - present[1]
+        return w.value + w.first_along(change) + w.second_along(change, change) / 2
+
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """See `StrainEnergy`."""
+        return self.law.numbers()
 
 
 @dataclass(frozen=True)
@@ -66,8 +116,8 @@ class LinearEnergy:
     """w = mu dev(e):dev(e) + p tr(e) - p^2 / (2 K), of the strain e = E + eps0.
 
     E is the Green strain from the bonded flat state and eps0 the initial strain of eq. 9 of the
-    paper, (lx - 1, ly - 1), with the thickness strain that leaves the bonded state in plane
-    stress. That state's stress is E eps / (1 - nu), the corrected eq. 8.
+    paper, U - 1 in plane, with the thickness strain that leaves the bonded state in plane stress.
+    That state's stress is E eps / (1 - nu), the corrected eq. 8.
 
     Parameters
     ----------
@@ -82,21 +132,35 @@ class LinearEnergy:
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
-        thinning = 1 / (natural[0] * natural[1] * natural[2])
+        thinning = 1 / ufl.det(natural_tensor(natural))
         thinned = ufl.diag(ufl.as_vector((1, 1, 1 / thinning)))
-        strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + ufl.diag(
-            self._initial_strain(natural)
-        )
+        strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + self._initial_strain(natural)
         deviator = ufl.dev(strain)
         shear = self.shear_modulus * ufl.inner(deviator, deviator)
         bulk = pressure * ufl.tr(strain) - pressure**2 * self.compliance / 2
         return (shear + bulk) * thinning
 
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """See `StrainEnergy`."""
+        return vars(self)
+
     def _initial_strain(self, natural: Any) -> Any:
         ratio = self.shear_modulus * self.compliance
         poisson = (3 - 2 * ratio) / (6 + 2 * ratio)
-        in_plane = natural[0] - 1, natural[1] - 1
-        return ufl.as_vector((*in_plane, -poisson / (1 - poisson) * sum(in_plane)))
+        x, shear, y, _ = natural
+        across = -poisson / (1 - poisson) * (x - 1 + y - 1)
+        return ufl.as_matrix([[x - 1, shear, 0], [shear, y - 1, 0], [0, 0, across]])
+
+
+def natural_tensor(natural: Any) -> Any:
+    """Return G = [[Uxx, Uxy, 0], [Uxy, Uyy, 0], [0, 0, s]] of a natural state (Uxx, Uxy, Uyy, s).
+
+    U is the in-plane stretch from the natural state to the bonded one, s the thickness in the mesh
+    over the natural one. They may be numbers or UFL expressions.
+    """
+    x, shear, y, thickness = natural
+    return ufl.as_matrix([[x, shear, 0], [shear, y, 0], [0, 0, thickness]])
 
 
 def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> Any:
@@ -109,16 +173,22 @@ def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> 
 
 
 @singledispatch
-def energy_constants(law: Law) -> tuple[type, dict[str, float]]:
-    """Return the energy of a law and the values of its constants."""
+def energy_constants(law: Law) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
+    """Return what makes the energy of a law of its constants, and their values.
+
+    The values are numbers or tuples of them; UFL constants may be given in their place.
+    """
     raise NotImplementedError(f"no strain energy for {type(law).__name__}")
 
 
 @energy_constants.register
-def _(law: MooneyRivlin) -> tuple[type, dict[str, float]]:
-    return MooneyRivlinEnergy, {"c10": law.c10, "c01": law.c01, "d1": law.d1}
+def _(law: Hyperelastic) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
+    def energy(**constants: Any) -> StrainEnergy:
+        return HyperelasticEnergy(law.with_symbols(constants))
+
+    return energy, law.numbers()
 
 
 @energy_constants.register
-def _(law: LinearElastic) -> tuple[type, dict[str, float]]:
+def _(law: LinearElastic) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
     return LinearEnergy, {"shear_modulus": law.shear_modulus, "compliance": 1 / law.bulk_modulus}

@@ -23,6 +23,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.solid.unknown import Unknown, at_state
 
 
 class ExtrapolatedTangent:
@@ -30,7 +31,7 @@ class ExtrapolatedTangent:
 
     Parameters
     ----------
-    state : dolfinx.fem.Function
+    state : Unknown
         The unknown x.
     exact : UFL form
         The second derivative.
@@ -43,9 +44,7 @@ class ExtrapolatedTangent:
         The tangent at the present state.
     """
 
-    def __init__(
-        self, state: fem.Function, exact: Any, stresses: Sequence[tuple[Any, Any]]
-    ) -> None:
+    def __init__(self, state: Unknown, exact: Any, stresses: Sequence[tuple[Any, Any]]) -> None:
         self._state = state
         space = state.function_space
         self._last, self._change = fem.Function(space), fem.Function(space)
@@ -58,7 +57,7 @@ class ExtrapolatedTangent:
 
     def _extrapolated(self, stress: Any) -> Any:
         linearised = stress + ufl.derivative(stress, self._state, self._change)
-        return ufl.replace(linearised, {self._state: self._last})
+        return at_state(linearised, self._state, self._last)
 
     def forget(self) -> None:
         """Make the next tangent the exact one."""

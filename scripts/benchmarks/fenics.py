@@ -27,7 +27,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from fenics_model import SolidSettings
 from fenics_model.api import jit
-from fenics_model.release.specimen_solid import bilayer_solid
+from fenics_model.release.specimen_solid import make_solid
 from fenics_model.solid.solid import Solid
 
 DESCRIPTION = "the finite-element model: iterations, CPU time by part, kernels, ranks"
@@ -163,7 +163,7 @@ def built(specimen: Specimen, mesh: PlanarMesh, degree: int, flags: list[str]) -
     jit.JIT_OPTIONS["cffi_extra_compile_args"] = [*flags, "-g0"]
     try:
         settings = SolidSettings(quadrature_degree=degree)
-        return bilayer_solid(specimen, mesh, settings, MPI.COMM_SELF).solid
+        return make_solid(specimen, mesh, settings, MPI.COMM_SELF).solid
     finally:
         jit.JIT_OPTIONS.update(kept)
 

@@ -9,7 +9,6 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +41,7 @@ def check_peer(checkout: Path, interpreter: Path) -> None:
 def costs(checkout: Path, interpreter: Path) -> Iterator[dict[str, Any]]:
     """Yield CPU seconds of both programs on each disc."""
     for rings in RINGS:
-        mesh = disc(rings, paper_specimen().outer_radius / rings)
+        mesh = disc(rings, paper_specimen().characteristic_length / rings)
         ours = _our_cost(mesh)
         size = {"hinges": ours.pop("hinges"), "dofs": ours.pop("dofs")}
         theirs = _peer_cost(mesh, checkout, interpreter)
@@ -57,7 +56,7 @@ def _bent(mesh: PlanarMesh) -> np.ndarray:
 
 
 def _our_cost(mesh: PlanarMesh) -> dict[str, Any]:
-    specimen = replace(paper_specimen(), cut=None)
+    specimen = paper_specimen().with_layer("kirigami", pattern=None)
     begin = time.process_time()
     energies = HingeModel(specimen, mesh).energies(STRETCH)
     assembly = Assembly(mesh.points.shape[0] * 3, energies, held_coordinates(held_nodes(mesh)))

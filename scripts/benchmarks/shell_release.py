@@ -56,10 +56,11 @@ class Release:
     def specimen(self) -> Specimen:
         """Return the specimen, its mesh about as fine as asked for."""
         whole = paper_specimen().with_milestones([self.prestretch])
-        size = size_for(self.triangles, whole.outer_radius)
-        cut = whole.cut
+        size = size_for(self.triangles, whole.characteristic_length)
+        cut = whole.layer("kirigami").pattern
         assert isinstance(cut, CutPattern)
-        return replace(whole, mesh=MeshSize(size), cut=replace(cut, strips=self.strips))
+        cut_anew = whole.with_layer("kirigami", pattern=replace(cut, strips=self.strips))
+        return replace(cut_anew, mesh=MeshSize(size))
 
 
 def cost(release: Release) -> dict[str, Any]:

@@ -12,7 +12,9 @@ import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -61,18 +63,19 @@ def sensitivity(specimen: Specimen, solver: str) -> pd.DataFrame:
 def parameters(specimen: Specimen) -> dict[str, Callable[[float], Specimen]]:
     """Return for each parameter what changes it by a factor."""
 
-    def of_layer(name: str, change: Callable[[bilayer.Layer, float], bilayer.Layer]):
-        return lambda factor: replace(specimen, **{name: change(getattr(specimen, name), factor)})
+    def of_layer(name: str, change: Callable[[bilayer.Layer, float], Any]):
+        changed = partial(change, specimen.layer(name))
+        return lambda factor: specimen.with_layer(name, **changed(factor))
 
-    def thicker(layer: bilayer.Layer, factor: float) -> bilayer.Layer:
-        return replace(layer, thickness=factor * layer.thickness)
+    def thicker(layer: bilayer.Layer, factor: float) -> dict[str, Any]:
+        return {"thickness": factor * layer.thickness}
 
-    def stiffer(layer: bilayer.Layer, factor: float) -> bilayer.Layer:
-        return replace(layer, material=_stiffer(layer.material, factor))
+    def stiffer(layer: bilayer.Layer, factor: float) -> dict[str, Any]:
+        return {"material": _stiffer(layer.material, factor)}
 
     found: dict[str, Callable[[float], Specimen]] = {
         "specimen.outer_radius": lambda f: replace(
-            specimen, outer_radius=f * specimen.outer_radius
+            specimen, outline=bilayer.Disc(f * specimen.characteristic_length)
         ),
         "substrate.thickness": of_layer("substrate", thicker),
         "kirigami.thickness": of_layer("kirigami", thicker),
@@ -82,9 +85,10 @@ def parameters(specimen: Specimen) -> dict[str, Callable[[float], Specimen]]:
             [(1 + f * (x - 1), 1 + f * (y - 1)) for x, y in specimen.prestretch.milestones]
         ),
     }
-    for key in ("inner_radius", "cutout_angle") if specimen.cut is not None else ():
-        found[f"cut.{key}"] = lambda f, key=key: replace(
-            specimen, cut=replace(specimen.cut, **{key: f * getattr(specimen.cut, key)})
+    cut = _cut(specimen)
+    for key in ("inner_radius", "cutout_angle") if cut is not None else ():
+        found[f"cut.{key}"] = lambda f, key=key: specimen.with_layer(
+            "kirigami", pattern=replace(cut, **{key: f * getattr(cut, key)})
         )
     return found
 
@@ -98,21 +102,25 @@ def morphed(mesh: bilayer.PlanarMesh, specimen: Specimen, other: Specimen) -> bi
     x, y = mesh.points.T
     radius = np.interp(np.hypot(x, y), _radii(specimen), _radii(other))
     angle = np.arctan2(y, x) % (2 * np.pi)
-    if specimen.cut is not None:
+    if _cut(specimen) is not None:
         angle = np.interp(angle, _cut_angles(specimen), _cut_angles(other))
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
     return bilayer.PlanarMesh(points, mesh.triangles, mesh.region)
 
 
+def _cut(specimen: Specimen) -> Any:
+    return specimen.layer("kirigami").pattern
+
+
 def _radii(specimen: Specimen) -> list[float]:
-    inner = [] if specimen.cut is None else [specimen.cut.inner_radius]
-    radii = [0.0, *inner, specimen.outer_radius]
+    inner = [] if _cut(specimen) is None else [_cut(specimen).inner_radius]
+    radii = [0.0, *inner, specimen.characteristic_length]
     assert all(a < b for a, b in pairwise(radii)), "a specimen has its cutouts within its rim"
     return radii
 
 
 def _cut_angles(specimen: Specimen) -> NDArray[np.float64]:
-    cut = specimen.cut
+    cut = _cut(specimen)
     half = cut.cutout_angle / 2
     edges = [edge for centre in cut.cutout_centres for edge in (centre - half, centre + half)]
     return np.array([0.0, *edges, 2 * np.pi])

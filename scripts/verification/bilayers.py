@@ -18,6 +18,7 @@ from bilayer import (
     PlanarMesh,
     Prestretch,
     Specimen,
+    disc_bilayer,
     solve,
 )
 from bilayer.errors import ComputationError
@@ -28,35 +29,34 @@ from dshell.energies.through_thickness import PROFILES
 from dshell.models.hinge_rest_state import specimen_sections
 from dshell.models.morley import specimen_layers
 from dshell.release.rigid_motion import held_coordinates, held_nodes
-from verification.meshes import rectangle
+from verification.meshes import outline_of, rectangle
 from verification.shell_problem import Problem, nodes_of, plate
 
-SUBSTRATE = Layer(1e-3, MooneyRivlin(4839.1, 14_536.0))
-KIRIGAMI = Layer(1e-3, MooneyRivlin(30_749.0, 30_749.0))
+SUBSTRATE = Layer("substrate", 1e-3, MooneyRivlin(4839.1, 14_536.0))
+KIRIGAMI = Layer("kirigami", 1e-3, MooneyRivlin(30_749.0, 30_749.0))
 RADIUS = 0.04
 CENTRE = 0.006  # radius within which curvature counts as the centre's
 
 
 def ladder_disc(cut: CutPattern | None = None, size: float = 0.004) -> Specimen:
     """The verification ladder's specimen: incompressible layers of 1 mm, R = 40 mm."""
-    return Specimen(RADIUS, SUBSTRATE, KIRIGAMI, Prestretch((1.01,)), cut, MeshSize(size))
+    return disc_bilayer(RADIUS, SUBSTRATE, KIRIGAMI, Prestretch((1.01,)), cut, MeshSize(size))
 
 
 def thin_disc(size: float = 0.004) -> Specimen:
     """The ladder's uncut disc with layers of 0.25 mm: 16 times less strain at the same S."""
     disc = ladder_disc(size=size)
-    layers = (replace(layer, thickness=layer.thickness / 4) for layer in (SUBSTRATE, KIRIGAMI))
-    substrate, kirigami = layers
-    return replace(disc, substrate=substrate, kirigami=kirigami)
+    layers = tuple(replace(layer, thickness=layer.thickness / 4) for layer in disc.layers)
+    return replace(disc, layers=layers)
 
 
 def linear_disc(poisson_ratio: float, size: float = 0.003) -> Specimen:
     """The ladder's uncut disc of linear layers with one Poisson's ratio."""
     layers = (
-        Layer(1e-3, LinearElastic(material.young_modulus, poisson_ratio))
-        for material in (SUBSTRATE.material, KIRIGAMI.material)
+        replace(layer, material=LinearElastic(layer.material.young_modulus, poisson_ratio))
+        for layer in (SUBSTRATE, KIRIGAMI)
     )
-    return Specimen(RADIUS, *layers, Prestretch((1.01,)), None, MeshSize(size))
+    return disc_bilayer(RADIUS, *layers, Prestretch((1.01,)), None, MeshSize(size))
 
 
 def bilayer_faces(specimen: Specimen, mesh: PlanarMesh, stretch, profile="linear"):
@@ -149,7 +149,7 @@ def stretch_of(mismatch: float, specimen: Specimen | None = None) -> float:
 def _scale(specimen: Specimen) -> float:
     """R^2 / 4h, m, for two layers of one Poisson's ratio."""
     section = specimen_sections(specimen, (1.0, 1.0))[1]
-    plane = 1 - specimen.substrate.material.poisson_ratio**2
+    plane = 1 - specimen.layer("substrate").material.poisson_ratio ** 2
     return float(RADIUS**2 / 4 / np.sqrt(12 * plane * section.bending / section.stretching))
 
 
@@ -222,7 +222,8 @@ def flexure(stretch: float, profile="linear", cells: int = 40) -> tuple[float, f
 
 def hinge_curvature(mesh: PlanarMesh, stretch: float = 1.0005) -> float:
     """Curvature of a uniform bilayer of hinges, by a paraboloid, over laminate theory's."""
-    specimen = ladder_disc().with_milestones([stretch])
+    sheet = replace(ladder_disc(), outline=outline_of(mesh))
+    specimen = sheet.with_milestones([stretch])
     shape = solve(specimen, "dshell", HingeSettings(), mesh=mesh).position.values[0]
     x, y, z = shape.T
     terms = np.column_stack([np.ones_like(x), x, y, x**2 + y**2])
@@ -233,7 +234,7 @@ def hinge_curvature(mesh: PlanarMesh, stretch: float = 1.0005) -> float:
 def petal_radii(specimen: Specimen, mesh: PlanarMesh, shape) -> np.ndarray:
     """Distance of the rim from the axis in the middle of each strip, m."""
     angle = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
-    strips = specimen.cut.strips
+    strips = specimen.layer("kirigami").pattern.strips
     rim = mesh.rim_nodes
     radii = np.linalg.norm(shape[:, :2] - shape[mesh.centre_node, :2], axis=1)
     places = []

@@ -39,7 +39,7 @@ class BuckledPlate:
             for axis in (0, 1, 2)
         ]
         self.newton = newton_of(self.solid, ends)
-        self.solid.layers[0].natural.value = (compression, 1.0, 1.0)
+        self.solid.layers[0].natural.value = (compression, 0.0, 1.0, 1.0)
         self.reference = self.newton.residual_norm(self.solid.undeformed)
         self.tolerance = 1e-10 * self.reference
         self.flat = self.solved(self.solid.undeformed)

@@ -1,9 +1,10 @@
 """Structured meshes of the cases: rectangles, hexagons, discs, slit rings."""
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from bilayer import PlanarMesh
+from bilayer import PlanarMesh, Polygon
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,13 @@ def disc(rings: int, ring_width: float) -> PlanarMesh:
     radius = np.hypot(x, y)
     stretch = np.divide(ring, radius, out=np.zeros_like(ring), where=radius > 0)
     return PlanarMesh(stretch[:, None] * lattice.points, lattice.triangles, lattice.region)
+
+
+def outline_of(mesh: PlanarMesh) -> Polygon:
+    """The rim of a mesh without holes as the outline of a sheet."""
+    rim = [shapely.LineString(ends) for ends in mesh.points[mesh.boundary_edges]]
+    (polygon,) = shapely.polygonize(rim).geoms
+    return Polygon(polygon.exterior.coords[:-1])
 
 
 def slit_ring(inner: float, outer: float, radial: int, angles: Array) -> PlanarMesh:

@@ -12,11 +12,12 @@ from mpi4py import MPI
 
 from bilayer import LinearElastic, MeshSize, MooneyRivlin, NeoHookean, open_result, paper_specimen
 from bilayer.errors import ComputationError
-from bilayer.specimen.material import Law
+from bilayer.specimen.materials import Law
 from bilayer.specimen.toml import specimen_to_toml
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
 from fenics_model.solve.newton import Newton
+from verification.laws import LAW_CASES
 from verification.solid_problem import newton_of, rectangle, solid_of, stacked
 
 PAIRS = {
@@ -24,6 +25,8 @@ PAIRS = {
     "incompressible": (MooneyRivlin(4839.1, 14536.0), MooneyRivlin(30749.0, 30749.0)),
     "neo-hookean": (NeoHookean(19375.0, d1=1e-6), NeoHookean(61498.0, d1=1e-6)),
     "linear": (LinearElastic(116250.0, 0.5), LinearElastic(368988.0, 0.4)),
+    "yeoh, gent": tuple(LAW_CASES[name].compressible(1e-6) for name in ("yeoh", "gent")),
+    "arruda-boyce, ogden": tuple(LAW_CASES[name].law for name in ("arruda-boyce", "ogden")),
 }
 """Laws of the lower and the upper layer."""
 
@@ -34,7 +37,7 @@ STEP = 2e-3
 def strained_solid(materials: Sequence[Law]) -> tuple[Solid, State]:
     """Two layers, the lower one prestretched, and a smooth, uneven state of finite strain."""
     solid = solid_of(stacked(rectangle(3e-3, 2e-3, 3, 2), [1e-3, 1e-3]), materials)
-    solid.layers[0].natural.value = (1.1, 1.05, 1.0)
+    solid.layers[0].natural.value = (1.1, 0.02, 1.05, 1.0)
     return solid, solid.interpolate(_uneven, _uneven_pressure, _uneven_pressure)
 
 

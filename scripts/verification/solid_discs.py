@@ -15,7 +15,7 @@ from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.branches.buckling_modes import least_stiffness
 from fenics_model.path.release_path import ReleasePath
-from fenics_model.release.specimen_solid import bilayer_solid, held_points
+from fenics_model.release.specimen_solid import held_points, make_solid
 from verification import bilayers
 from verification.bilayers import RADIUS, Cap
 from verification.solid_problem import equilibria, load_path, newton_of
@@ -83,7 +83,7 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     """Least eigenvalue k of K d = k M d of the cap at each S, Pa/m2."""
     specimen = disc(mismatches, size)
     mesh = generate_mesh(specimen)
-    body = bilayer_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
+    body = make_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
     solid, loads = body.solid, ReleasePath(specimen.prestretch.milestones)
     held = held_points(held_upright(mesh.points), solid.mesh.volume)
     found = []

@@ -35,7 +35,7 @@ def stacked(mesh, thicknesses, elements=1):
 
 
 def solid_of(volume, materials, comm=MPI.COMM_WORLD, body_force=0.0):
-    """The solid of a volume mesh, one material a layer; natural states start at (1, 1, 1)."""
+    """The solid of a volume mesh, one material a layer; natural states start at 1."""
     mesh = LayeredMesh(volume, comm)
 
     def constant(value):
@@ -46,7 +46,7 @@ def solid_of(volume, materials, comm=MPI.COMM_WORLD, body_force=0.0):
         kind, values = energy_constants(material)
         energy = kind(**{name: constant(value) for name, value in values.items()})
         force = ufl.as_vector((0, 0, constant(body_force)))
-        layers.append(SolidLayer(energy, constant((1.0, 1.0, 1.0)), force))
+        layers.append(SolidLayer(energy, constant((1.0, 0.0, 1.0, 1.0)), force))
     return Solid(mesh, layers, pressure_scale=materials[0].shear_modulus / 1e-3)
 
 

@@ -21,6 +21,8 @@ from verification.solid_problem import (
 )
 
 TAPE = MooneyRivlin(4839.1, 14536.0)
+COMPRESSIBLE_TAPE = MooneyRivlin(4839.1, 14536.0, 1.03918061e-6)
+PATCH_GRADIENT = np.array([[1.10, 0.05, 0.02], [-0.03, 0.95, 0.04], [0.01, -0.02, 1.02]])
 SIDE, THICKNESS = 2e-3, 1e-3
 
 
@@ -34,7 +36,8 @@ def solve_block(solid, natural, sides):
 
     A side is the axis, x or y, along which the block is held at SIDE, too.
     """
-    solid.layers[0].natural.value = natural
+    x, y, thickness = natural
+    solid.layers[0].natural.value = (x, 0.0, y, thickness)
     held = [held_where(solid, 2, lambda x: np.isclose(x[2], 0))]
     for axis in range(2):
         places = (0.0, SIDE) if axis in sides else (0.0,)
@@ -62,6 +65,13 @@ def equibiaxial_stress(solid, stretch: float) -> tuple[float, float]:
     return mean(solid, state, cauchy[0, 0]), mean(solid, state, cauchy[1, 1])
 
 
+def planar_stress(solid, stretch: float) -> tuple[float, float]:
+    """Nominal stresses, along and across, of a block stretched along x whose width is held, Pa."""
+    state = solve_block(solid, (stretch, 1.0, 1.0), sides={0, 1})
+    P = stress(solid)  # per area of the mesh, whose width is the natural one
+    return mean(solid, state, P[0, 0]), stretch * mean(solid, state, P[1, 1])
+
+
 @dataclass(frozen=True)
 class Patch:
     """A distorted mesh under a uniform deformation of its boundary."""
@@ -72,7 +82,7 @@ class Patch:
     unevenness: float
 
 
-def compressible_patch() -> Patch:
+def compressible_patch(law=COMPRESSIBLE_TAPE) -> Patch:
     """The patch test of rung 2: mean values, and the rms distance of grad(x) from uniform."""
     side = 3e-3
     volume = stacked(rectangle(side, side, 3, 3), [side], elements=3)
@@ -81,8 +91,8 @@ def compressible_patch() -> Patch:
     )
     shift = np.random.default_rng(1).uniform(-2e-4, 2e-4, volume.points.shape)
     volume = replace(volume, points=volume.points + shift * inside[:, None])
-    F = np.array([[1.10, 0.05, 0.02], [-0.03, 0.95, 0.04], [0.01, -0.02, 1.02]])
-    solid = solid_of(volume, [MooneyRivlin(4839.1, 14536.0, 1.03918061e-6)])
+    F = PATCH_GRADIENT
+    solid = solid_of(volume, [law])
     domain = solid.mesh.mesh
     domain.topology.create_connectivity(2, 3)
     facets = dolfinx.mesh.exterior_facet_indices(domain.topology)

@@ -65,14 +65,14 @@ def flexed_strip(stretch: float, cells: int = 40, length: float = 40e-3) -> tupl
     volume = stacked(mesh, [THICKNESS, THICKNESS])
     solid = solid_of(volume, [SUBSTRATE, KIRIGAMI])
     edge = np.flatnonzero(mesh.points[:, 1] == 0)
-    first, last = volume.interface[edge[[0, -1]]]
+    first, last = volume.reference_surface[edge[[0, -1]]]
     held = [
         held_where(solid, 1, lambda x: np.full(x.shape[1], True)),
         *solid.held_points([(first, 0), (first, 2), (last, 2)]),
     ]
     with newton_of(solid, held) as newton:
         released = _release_along_x(newton, stretch, first_step=0.002)
-    line = solid.vertex_positions(released)[volume.interface[edge]][:, [0, 2]]
+    line = solid.vertex_positions(released)[volume.reference_surface[edge]][:, [0, 2]]
     middle = line[cells // 3 : cells - cells // 3 + 1]
     chords = np.diff(middle, axis=0)
     angles = np.unwrap(np.arctan2(chords[:, 1], chords[:, 0]))
@@ -89,7 +89,7 @@ def timoshenko_strip(stretch: float, cells: int = 40) -> float:
     held = solid.held_points(held_points(held_upright(mesh.points), volume))
     with newton_of(solid, held) as newton:
         released = _release_along_x(newton, stretch, first_step=0.001)
-    moved = solid.vertex_positions(released)[volume.interface]
+    moved = solid.vertex_positions(released)[volume.reference_surface]
     along, across = mesh.points.T
     middle = (np.abs(across - width / 2) < 1e-9) & (np.abs(along - length / 2) < length / 6)
     return _circle_curvature(moved[middle][:, [0, 2]])
@@ -99,7 +99,9 @@ def _release_along_x(newton: Newton, stretch: float, first_step: float) -> State
     """The equilibrium with the lower layer prestretched along x."""
 
     def load(parameter):
-        newton.solid.layers[0].natural.value = natural_state((1 + parameter, 1.0), "natural")
+        newton.solid.layers[0].natural.value = natural_state(
+            ((1 + parameter, 0.0), (0.0, 1.0)), "natural"
+        )
 
     (released,) = equilibria(load_path(newton, load, first_step), [stretch - 1])
     return released.state

@@ -1,12 +1,21 @@
 """The ladder as a table: in the terminal, and as the page docs/verification.md."""
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 
 from verification.rung import MISSED, Check, Rung
 
 Ladder = Sequence[tuple[Rung, Sequence[Check]]]
 HEADINGS = ("quantity", "measured", "reference", "error", "tolerance", "verdict")
+INTRODUCTION = (
+    "Cases with known answers, and what this software makes of them. This page is written by "
+    '`scripts/verify`, which computes every number of the column "measured" anew and fails if one '
+    "misses its tolerance. Errors and tolerances are relative to the reference, or absolute where "
+    "it is 0; a number without a tolerance is reported, not judged."
+)
+COLUMNS = 100
+"""Of a line of text on the page."""
 WIDTHS = (46, 11, 11, 9, 9, 8)
 
 
@@ -35,18 +44,21 @@ def page(ladder: Ladder, absent: Mapping[str, str]) -> str:
     """Return the page of the whole ladder, with the rungs that it lacks and why."""
     parts = [
         "# Verification",
-        "Cases with known answers, and what this software makes of them. This page is written by "
-        '`scripts/verify`, which computes every number of the column "measured" anew and fails '
-        "if one misses its tolerance. Errors and tolerances are relative to the reference, or "
-        "absolute where it is 0; a number without a tolerance is reported, not judged.",
+        _filled(INTRODUCTION),
         summary(ladder),
     ]
     for rung, checks in ladder:
         rows = [HEADINGS, ("---",) * len(HEADINGS), *map(_cells, checks)]
         table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-        parts += [f"## {rung.number}. {rung.title} ({rung.solver})", rung.source, table]
-    lacking = "\n".join(f"- **{name}**: {why}" for name, why in absent.items())
+        parts += [f"## {rung.number}. {rung.title} ({rung.solver})", _filled(rung.source), table]
+    lacking = "\n".join(
+        _filled(f"- **{name}**: {why}", indent="  ") for name, why in absent.items()
+    )
     return "\n\n".join([*parts, "## Not here yet", lacking]) + "\n"
+
+
+def _filled(text: str, indent: str = "") -> str:
+    return textwrap.fill(text, COLUMNS, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def _cells(check: Check) -> tuple[str, ...]:

@@ -1,9 +1,13 @@
-"""A disk that is full, for the tests of everything that writes."""
+"""A disk that is full, for the tests of everything that writes; `verification` importable."""
 
 import contextlib
 import resource
+import sys
+from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
 
 @pytest.fixture

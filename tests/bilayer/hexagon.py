@@ -1,7 +1,5 @@
 """A coarse disc that no mesh generator has a hand in, for what is compared with stored files."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bilayer import PlanarMesh, paper_specimen
@@ -30,4 +28,4 @@ def hexagon_mesh():
 
 def hexagon_specimen(milestones=(1.06,)):
     """Return the paper's specimen without a cut pattern: the mesh says where it is bare."""
-    return replace(paper_specimen(), cut=None).with_milestones(milestones)
+    return paper_specimen().with_layer("kirigami", pattern=None).with_milestones(milestones)

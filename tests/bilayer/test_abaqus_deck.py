@@ -8,8 +8,8 @@ from hexagon import RADIUS, hexagon_mesh, hexagon_specimen
 
 from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean, PlanarMesh
 from bilayer.calculix.deck import DeckSettings, abaqus_deck, deck_points, held_nodes, write_decks
-from bilayer.mesh.planar import BARE, KIRIGAMI
 from bilayer.specimen.settings import settings_from
+from bilayer.specimen.two_layers import BARE, KIRIGAMI, turned_over, with_stretched
 
 STRETCH = (1.2, 1.1)
 WEDGES = DeckSettings(element="wedge")
@@ -49,7 +49,7 @@ def hexagon_deck(**changes):
 
 
 def with_law(law, layer="substrate"):
-    return {layer: replace(getattr(hexagon_specimen(), layer), material=law)}
+    return {"layers": hexagon_specimen().with_layer(layer, material=law).layers}
 
 
 def test_at_c_one_the_equations_bring_the_drawn_layers_to_the_bonded_state():
@@ -104,7 +104,8 @@ def test_the_saddle_load_vanishes_at_the_end_and_is_in_balance():
     assert forces.sum() == pytest.approx(0, abs=1e-6 * np.abs(forces).max())
     at_rim = int(np.argmax(mesh.points[:, 0]))
     share = mesh.areas[(mesh.triangles == at_rim).any(axis=1)].sum() / 3
-    mass = specimen.substrate.density * specimen.substrate.thickness * share
+    substrate = specimen.layer("substrate")
+    mass = substrate.density * substrate.thickness * share
     assert forces[at_rim] == pytest.approx(mass * DeckSettings().imperfection, rel=1e-5)
     assert "*CLOAD" not in abaqus_deck(
         specimen, mesh, STRETCH, DeckSettings(element="wedge", imperfection=0.0)
@@ -191,8 +192,7 @@ def test_each_milestone_has_a_deck_of_its_own(tmp_path):
 
 def test_the_kirigami_below_and_stretched_lies_below_and_is_drawn_smaller():
     specimen = hexagon_specimen()
-    path = replace(specimen.prestretch, layers=("kirigami",))
-    turned = replace(specimen, kirigami_side="below", prestretch=path)
+    turned = turned_over(with_stretched(specimen, ["kirigami"]))
     points = deck_points(turned, hexagon_mesh(), STRETCH, "wedge")
     usual = deck_points(specimen, hexagon_mesh(), STRETCH, "wedge")
     below, above = points[points[:, 2] < 0], points[points[:, 2] > 0]

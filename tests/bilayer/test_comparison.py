@@ -9,7 +9,7 @@ from made_results import cap_result, half_angle, small_specimen
 from scipy.spatial.transform import Rotation
 from shapes import cap
 
-from bilayer import InputError, MeshSize, generate_mesh
+from bilayer import CutPattern, Disc, InputError, MeshSize, generate_mesh
 from bilayer.results.comparison import compare, comparison_table
 
 
@@ -66,11 +66,13 @@ def test_names_mesh_sizes_and_milestones_may_differ(first):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda s: replace(s, outer_radius=0.041), r"specimen\.outer_radius = 0\.04 .* 0\.041"),
-        (lambda s: replace(s, cut=replace(s.cut, strips=4)), r"specimen\.cut\.strips = 5 .* 4"),
-        (lambda s: replace(s, cut=None), r"specimen\.cut = CutPattern.* None"),
-        (lambda s: replace(s, substrate=replace(s.substrate, thickness=0.002)),
-         r"specimen\.substrate\.thickness = 0\.001 .* 0\.002"),
+        (lambda s: replace(s, outline=Disc(0.041)), r"specimen\.outline\.radius = 0\.04 .* 0\.041"),
+        (lambda s: s.with_layer("kirigami", pattern=CutPattern(4, 0.008, 0.3)),
+         r"specimen\.layers\.kirigami\.pattern\.strips = 5 .* 4"),
+        (lambda s: s.with_layer("kirigami", pattern=None),
+         r"specimen\.layers\.kirigami\.pattern = CutPattern.* None"),
+        (lambda s: s.with_layer("substrate", thickness=0.002),
+         r"specimen\.layers\.substrate\.thickness = 0\.001 .* 0\.002"),
         (lambda s: replace(s, prestretch=replace(s.prestretch, thickness="constant")),
          r"specimen\.prestretch\.thickness = natural .* constant"),
     ],

@@ -1,15 +1,18 @@
 """The figures hold what they should, and their files are whole, repeatable and named well."""
 
 import sys
+from itertools import combinations
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_results import cap_result, small_specimen
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from scipy.spatial.transform import Rotation
+from sheets import OUTLINES, PATTERNS, trilayer
 
-from bilayer import ComputationError, InputError, result_mesh
+from bilayer import ComputationError, InputError, generate_mesh, result_mesh
 from bilayer.figures import (
     draw_birds_eye,
     draw_comparison,
@@ -21,7 +24,7 @@ from bilayer.figures import (
     draw_shapes,
     save_figure,
 )
-from bilayer.figures.mesh import BARE_EDGE, BILAYER_EDGE, bilayer_edges
+from bilayer.figures.mesh import BARE_EDGE, BILAYER_EDGE, edge_regions
 from bilayer.figures.style import BARE_COLOUR, KIRIGAMI_COLOUR
 from bilayer.results.comparison import compare, comparison_table
 
@@ -36,6 +39,43 @@ def stopped():
     return cap_result(reached=1.065)
 
 
+@pytest.mark.parametrize("draw", [draw_isometric, draw_birds_eye, draw_shapes])
+def test_a_milestone_taken_out_of_a_result_is_drawn(whole, stopped, draw):
+    (axes,) = [a for a in visible_axes(draw(whole.sel(prestretch=1.06))) if a.collections][:1]
+    assert "λ = 1.06" in axes.get_title()
+    draw(whole.sel(prestretch=[1.03, 1.06]))
+    draw(stopped.sel(prestretch=1.09))
+
+
+def test_a_milestone_taken_out_of_each_result_is_compared_and_drawn(whole, stopped):
+    one, other = whole.sel(prestretch=1.06), stopped.sel(prestretch=1.06)
+    compared = compare(one, other)
+    xr.testing.assert_identical(compared, compare(whole, stopped).isel(prestretch=[1]))
+    assert comparison_table(compared.isel(prestretch=0)) == comparison_table(compared)
+    for figure in (
+        draw_quality([one, other]),
+        draw_quality_against(other, one),
+        draw_comparison(compared.isel(prestretch=0)),
+        draw_distances([compared.isel(prestretch=0)]),
+    ):
+        assert figure.get_axes()
+
+
+@pytest.mark.parametrize(
+    ("draw", "given", "message"),
+    [
+        (draw_isometric, lambda r: r["position"], "result = DataArray: expected one dataset"),
+        (draw_isometric, lambda r: r.drop_vars("prestretch"), "result: has no prestretch"),
+        (draw_shapes, lambda r: "shell.nc", "result = str: expected one dataset"),
+        (draw_quality, lambda r: r, "results = a dataset: expected a list"),
+        (draw_distances, lambda r: r, "comparisons = a dataset: expected a list"),
+    ],
+)
+def test_what_is_no_result_is_told(whole, draw, given, message):
+    with pytest.raises(InputError, match=message):
+        draw(given(whole))
+
+
 def visible_axes(figure):
     return [axes for axes in figure.get_axes() if axes.get_visible()]
 
@@ -44,12 +84,28 @@ def texts(axes):
     return [axes.get_title(), *(text.get_text() for text in axes.texts)]
 
 
+def test_a_trilayer_of_two_patterns_has_a_colour_and_a_name_for_each_set_of_layers():
+    sheet = trilayer(OUTLINES["ellipse"], PATTERNS["sectors"], PATTERNS["cross"])
+    mesh = generate_mesh(sheet)
+    names = ["trilayer", "lower + substrate", "substrate + upper", "bare substrate"]
+    figure = draw_mesh(mesh)
+    assert sorted(t.get_text() for t in figure.legends[0].get_texts()) == sorted(names)
+    region = edge_regions(mesh)
+    assert set(region) == {0, 1, 2, 3}
+    covered = np.union1d(mesh.faces_of("lower"), mesh.faces_of("upper"))
+    beside = {frozenset(edge) for t in mesh.triangles[covered] for edge in combinations(t, 2)}
+    bare = [frozenset(edge) not in beside for edge in mesh.edges]
+    assert (region == 0).tolist() == bare
+    (legend,) = draw_isometric(cap_result(sheet, mesh=mesh)).subfigs[0].legends
+    assert sorted(t.get_text() for t in legend.get_texts()) == sorted(names)
+
+
 def test_an_edge_beside_kirigami_is_a_bilayer_edge(whole):
     mesh = result_mesh(whole)
     covered = {frozenset(edge) for t in mesh.triangles[mesh.region == 1]
                for edge in (t[[0, 1]], t[[1, 2]], t[[2, 0]])}  # fmt: skip
     expected = [frozenset(edge) in covered for edge in mesh.edges]
-    assert bilayer_edges(mesh).tolist() == expected
+    assert (edge_regions(mesh) == 1).tolist() == expected
     assert 0 < sum(expected) < len(expected)
 
 
@@ -61,7 +117,7 @@ def test_the_mesh_has_each_edge_once_in_its_colour(whole):
         for lines in axes.collections
         if isinstance(lines, LineCollection)
     }
-    count = int(bilayer_edges(mesh).sum())
+    count = int((edge_regions(mesh) == 1).sum())
     assert drawn == {to_rgb(BILAYER_EDGE): count, to_rgb(BARE_EDGE): len(mesh.edges) - count}
 
 

@@ -21,7 +21,8 @@ PATTERNS = [
 
 
 def specimen_with(cut, size=0.004, corner_size=None):
-    return replace(paper_specimen(), cut=cut, mesh=MeshSize(size, corner_size))
+    specimen = replace(paper_specimen(), mesh=MeshSize(size, corner_size))
+    return specimen.with_layer("kirigami", pattern=cut)
 
 
 @pytest.mark.parametrize("cut", PATTERNS, ids=str)

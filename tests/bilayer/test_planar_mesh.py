@@ -3,6 +3,7 @@
 import meshio
 import numpy as np
 import pytest
+from grids import frame, grid_mesh, rectangle
 
 from bilayer import InputError, PlanarMesh, read_planar_mesh, write_planar_mesh
 
@@ -19,8 +20,8 @@ def test_edges_rim_and_areas_of_a_square():
     assert mesh.boundary_edges.tolist() == [[0, 1], [0, 3], [1, 2], [2, 3]]
     assert mesh.rim_nodes.tolist() == [0, 1, 2, 3]
     assert mesh.areas.tolist() == [0.5, 0.5]
-    assert mesh.faces_in([1]).tolist() == [0]
-    assert mesh.faces_in([0, 1]).tolist() == [0, 1]
+    assert mesh.faces_of("kirigami").tolist() == [0]
+    assert mesh.faces_of("substrate").tolist() == [0, 1]
     assert mesh.centre_node == 0
 
 
@@ -132,3 +133,23 @@ def test_files_that_hold_no_planar_mesh_are_named(tmp_path):
             read_planar_mesh(tmp_path / name)
     with pytest.raises(InputError, match="cannot be written"):
         write_planar_mesh(two_triangles(), tmp_path / "mesh.unknown")
+
+
+def test_the_rim_is_the_outer_boundary_alone():
+    mesh = grid_mesh(frame(4, 3), origin=(5.0, 7.0))
+    on_hole = [[6.0, 8.0], [6.0, 9.0], [7.0, 8.0], [7.0, 9.0], [8.0, 8.0], [8.0, 9.0]]
+    inner = np.setdiff1d(np.unique(mesh.boundary_edges), mesh.rim_nodes)
+    assert sorted(mesh.points[inner].tolist()) == on_hole
+    assert len(mesh.rim_nodes) == len(mesh.points) - len(inner)
+
+
+def test_the_centre_is_that_of_the_area():
+    corner = grid_mesh([(0, 0), (1, 0), (0, 1)], origin=(5.0, 7.0))
+    assert corner.centroid == pytest.approx([5 + 5 / 6, 7 + 5 / 6])
+    assert corner.points[corner.centre_node].tolist() == [6.0, 8.0]
+
+
+def test_the_centre_of_a_sheet_about_the_origin_has_no_round_off():
+    mesh = grid_mesh(rectangle(6, 6), origin=(-3.0, -3.0))
+    turned = mesh.points @ [[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]]
+    assert mesh.with_points(turned).centroid.tolist() == [0.0, 0.0]

@@ -6,9 +6,9 @@ from hexagon import hexagon_mesh
 from made_results import small_specimen
 
 from bilayer import InputError, LinearElastic, generate_mesh
-from bilayer.calculix.drawn_layer import draw_layer, natural_scale
+from bilayer.calculix.drawn_layer import draw_layer
 from bilayer.calculix.quadratic_mesh import ELEMENTS, quadratic_mesh
-from bilayer.mesh.planar import BARE, KIRIGAMI
+from bilayer.specimen.two_layers import BARE, KIRIGAMI
 
 EDGES = {
     15: [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
@@ -63,7 +63,7 @@ def test_an_unknown_element_is_named():
 def test_elements_are_numbered_as_abaqus_does(mesh, element, name):
     stretch = (1.2, 1.1)
     bonded = small_specimen().bonded_layer(name, stretch)
-    scale = natural_scale(bonded.layer.material, bonded.stretch)
+    scale = bonded.layer.material.natural_scale(bonded.axial_stretch)
     drawn = draw_layer(quadratic_mesh(mesh, element), bonded, scale)
     for elements in (drawn.wedges, drawn.hexahedra):
         corners = {15: 6, 20: 8}[elements.shape[1]]
@@ -75,28 +75,28 @@ def test_elements_are_numbered_as_abaqus_does(mesh, element, name):
 
 
 def test_a_hyperelastic_layer_keeps_its_volume():
-    material = small_specimen().substrate.material
-    assert np.prod(natural_scale(material, (1.2, 1.1))) == pytest.approx(1)
+    material = small_specimen().layer("substrate").material
+    assert np.prod(material.natural_scale((1.2, 1.1))) == pytest.approx(1)
 
 
 def test_the_first_nodes_are_the_interface_over_the_planar_nodes(mesh):
     specimen, stretch = small_specimen(), (1.2, 1.1)
     bonded = specimen.bonded_layer("substrate", stretch)
-    scale = natural_scale(bonded.layer.material, stretch)
+    scale = bonded.layer.material.natural_scale(stretch)
     drawn = draw_layer(quadratic_mesh(mesh), bonded, scale)
     first = drawn.points[: len(mesh.points)]
     assert first == pytest.approx(np.column_stack([mesh.points / stretch, 0 * mesh.points[:, 0]]))
-    natural = specimen.substrate.thickness
+    natural = specimen.layer("substrate").thickness
     assert np.ptp(drawn.points[:, 2]) == pytest.approx(natural)
 
 
 def test_the_linear_law_is_free_of_stress_where_it_is_drawn():
     nu, stretch = 0.4, (1.2, 1.1)
-    scale = np.array(natural_scale(LinearElastic(1e5, nu), stretch))
+    scale = np.array(LinearElastic(1e5, nu).natural_scale(stretch))
     initial = np.array([0.2, 0.1, -nu / (1 - nu) * 0.3])
     assert (scale**2 - 1) / 2 + initial == pytest.approx(0, abs=1e-14)
 
 
 def test_a_linear_law_stretched_too_far_has_no_natural_state():
     with pytest.raises(InputError, match=r"prestretch.milestones = 1.5.*expected less than 1.5"):
-        natural_scale(LinearElastic(1e5, 0.4), (1.5, 1.0))
+        LinearElastic(1e5, 0.4).natural_scale((1.5, 1.0))

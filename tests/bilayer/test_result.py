@@ -1,14 +1,18 @@
 """The dataset: its schema, its round trip through NetCDF, and files that must not be trusted."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 from made_results import NoSettings, cap_result, small_specimen
 from shapes import cap
+from sheets import OUTLINES, PATTERNS, trilayer
 
 from bilayer import (
     ComputationError,
     InputError,
+    Response,
     generate_mesh,
     open_result,
     result_mesh,
@@ -18,6 +22,7 @@ from bilayer import (
 from bilayer.measures.shape import measure_shape
 from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import ResumePoint, open_resume_point
+from bilayer.results.report import provenance
 
 PER_MILESTONE = {
     "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height", "iterations",
@@ -47,6 +52,34 @@ def test_names_and_dimensions_of_the_schema(result):
     assert "last_position" not in result
 
 
+def test_the_layers_of_a_trilayer_are_in_its_file(tmp_path):
+    sheet = trilayer(OUTLINES["ellipse"], PATTERNS["sectors"], PATTERNS["cross"])
+    mesh = generate_mesh(sheet)
+    write_result(cap_result(sheet, mesh=mesh), tmp_path / "r.nc")
+    result = open_result(tmp_path / "r.nc")
+    assert result_specimen(result) == sheet
+    assert result_mesh(result).same_as(mesh)
+    assert result.attrs["reference_surface"] == "middle of substrate"
+    assert result["sheet_layer"].values.tolist() == ["lower", "substrate", "upper"]
+    present = result["layers_present"].sel(sheet_layer="upper").values
+    assert np.flatnonzero(present).tolist() == mesh.faces_of("upper").tolist()
+    meanings = ["substrate", "lower+substrate", "substrate+upper", "lower+substrate+upper"]
+    assert result["region"].attrs["flag_meanings"].split() == meanings
+    text = provenance(result)
+    assert "ellipse of 60 x 40 mm, lower: 5 strips, cutouts of 0.4 rad" in text
+    assert "; upper: a cross of bars 3.3 mm wide" in text
+    assert re.search(r"substrate   1.1 mm, .*, bonded thickness natural, in the middle", text)
+
+
+def test_a_layer_that_is_stretched_in_its_own_way_says_so():
+    turned = Response("path", factor=0.5, angle=0.3)
+    sheet = trilayer().with_layer("upper", response=turned)
+    sheet = sheet.with_layer("lower", response=Response("fixed", (1.2, 1.1)))
+    text = provenance(cap_result(sheet))
+    assert "stretched 0.5 times as much at 0.3 rad, bonded thickness natural, above" in text
+    assert "stretched by 1.2 and 1.1, bonded thickness natural, below" in text
+
+
 def test_everything_has_a_unit_or_is_a_count_or_a_label(result):
     for name, variable in result.variables.items():
         assert variable.attrs.get("long_name") or "cf_role" in variable.attrs or name in (
@@ -59,7 +92,7 @@ def test_everything_has_a_unit_or_is_a_count_or_a_label(result):
 def test_measures_are_those_of_the_shapes(result):
     mesh = result_mesh(result)
     for k in range(3):
-        measures = measure_shape(mesh, result["position"].values[k])
+        measures = measure_shape(mesh, result["position"].values[k], 0.04)
         assert result["quality"].values[k] == measures.quality
         assert result["sphere_radius"].values[k] == measures.sphere_radius
         assert result["span"].values[k].tolist() == measures.span.tolist()

@@ -3,17 +3,18 @@
 import math
 import time
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from made_results import cap_result, small_specimen
 from scipy.spatial.transform import Rotation
 from shapes import cap, in_plane
+from sheets import trilayer
 
-from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
+from bilayer import MeshSize, PlanarMesh, Response, generate_mesh, paper_specimen
 from bilayer.contact.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
 from bilayer.geometry.surface import Surface
-from bilayer.mesh.planar import KIRIGAMI
 from bilayer.results.report import contact_words, result_table, trust
 
 BELOW, ABOVE = 0.6e-3, 1e-3
@@ -53,7 +54,31 @@ def folded(points, gap, length=LENGTH):
 
 def body(mesh, below=BELOW, above=ABOVE):
     everywhere = np.arange(len(mesh.triangles))
-    return BondedBody(mesh, [Sheet(-below, everywhere), Sheet(above, mesh.faces_in([KIRIGAMI]))])
+    kirigami = Sheet(0.0, above, mesh.faces_of("kirigami"))
+    return BondedBody(mesh, [Sheet(-below, 0.0, everywhere), kirigami])
+
+
+def stacked(mesh, levels, layers):
+    """A body of layers between levels, each on all triangles or, as "kirigami", on some."""
+    faces = {"whole": np.arange(len(mesh.triangles)), "kirigami": mesh.faces_of("kirigami")}
+    faces["rest"] = np.setdiff1d(faces["whole"], faces["kirigami"])
+    sheets = [
+        Sheet(bottom, top, faces[name])
+        for (bottom, top), name in zip(pairwise(levels), layers, strict=True)
+    ]
+    return BondedBody(mesh, sheets)
+
+
+THREE = [-1.3e-3, -0.3e-3, 0.3e-3, 1.1e-3]
+STACKS = {
+    "bilayer": ([-BELOW, 0.0, ABOVE], ["whole", "kirigami"]),
+    "bilayer, kirigami below": ([-ABOVE, 0.0, BELOW], ["kirigami", "whole"]),
+    "single": ([-0.4e-3, 0.4e-3], ["whole"]),
+    "trilayer": (THREE, ["kirigami", "whole", "kirigami"]),
+    "trilayer of two patterns": (THREE, ["kirigami", "whole", "rest"]),
+    "gaps between whole layers": (THREE, ["whole", "kirigami", "whole"]),
+    "four": ([*THREE, 1.4e-3], ["whole", "kirigami", "kirigami", "kirigami"]),
+}
 
 
 def paper_disc(size=0.003):
@@ -69,17 +94,19 @@ def disc():
 
 
 @pytest.mark.parametrize("half_angle", [1e-9, 0.5, 1.2])
-def test_the_skin_is_closed_and_holds_the_layers_volume(disc, half_angle):
-    skin = skin_of(body(disc), Surface(cap(disc.points, half_angle), disc.triangles))
+@pytest.mark.parametrize("stack", STACKS)
+def test_the_skin_is_closed_and_holds_the_layers_volume(disc, half_angle, stack):
+    made = stacked(disc, *STACKS[stack])
+    skin = skin_of(made, Surface(cap(disc.points, half_angle), disc.triangles))
     triangles = skin.surface.triangles
     forth = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     edges, count = np.unique(forth, axis=0, return_counts=True)
     back = np.unique(forth[:, ::-1], axis=0)
     assert np.array_equal(edges, back)
-    assert count.max() == 1
+    assert count.max() == 1 or "two patterns" in stack  # which meet in an edge
     volume = np.einsum("ij,ij", skin.surface.corners.mean(axis=1), skin.surface.area_vectors) / 3
-    flat = BELOW * disc.areas.sum() + ABOVE * disc.areas[disc.region == 1].sum()
-    assert volume == pytest.approx(flat, rel=2e-3)
+    flat = sum((sheet.top - sheet.bottom) * disc.areas[sheet.faces].sum() for sheet in made.sheets)
+    assert volume == pytest.approx(flat, rel=4e-3)
 
 
 def test_a_layer_is_thinner_where_the_interface_is_stretched(disc):
@@ -98,6 +125,16 @@ def test_flaps_touch_when_the_layers_between_them_fill_the_gap():
         found = self_contact_gap(body(mesh), folded(mesh.points, 2 * BELOW + gap))
         assert found == pytest.approx(gap, rel=1e-6)
     assert self_contact_gap(body(mesh), folded(mesh.points, 2 * BELOW - 0.1e-3)) == 0
+
+
+def test_flaps_of_a_trilayer_touch_by_its_outer_layers():
+    mesh = strip()
+    made = stacked(mesh, *STACKS["trilayer"])
+    for mirror, outer in ((1, 1.3e-3), (-1, 1.1e-3)):
+        position = folded(mesh.points, 2 * outer + 0.2e-3) * [1, 1, mirror]
+        assert self_contact_gap(made, position) == pytest.approx(0.2e-3, rel=1e-6)
+        position = folded(mesh.points, 2 * outer - 0.1e-3) * [1, 1, mirror]
+        assert self_contact_gap(made, position) == 0
 
 
 def test_flaps_folded_to_the_other_side_touch_by_their_kirigami():
@@ -194,12 +231,23 @@ def test_motion_and_numbering_do_not_matter(gap):
     assert self_contact_gap(body(numbered), position[nodes]) == pytest.approx(expected, abs=1e-12)
 
 
+def test_the_body_of_a_trilayer_is_as_thick_as_its_layers():
+    sheet = trilayer().with_layer("upper", response=Response("fixed", (1.3, 1.1), angle=0.4))
+    made = BondedBody.of(sheet, generate_mesh(sheet), (1.2, 1.2))
+    assert made.thickness == pytest.approx(1.1e-3 / 1.44 + 1.6e-3 + 1.6e-3 / 1.43)
+    assert made.shrinkage == pytest.approx(1 / 1.3)
+    lower, middle, upper = made.sheets
+    assert (lower.top, middle.top) == (middle.bottom, upper.bottom)
+    assert middle.top == -middle.bottom
+
+
 def test_the_body_of_a_specimen():
     specimen, mesh = paper_specimen(), strip()
     made = BondedBody.of(specimen, mesh, (1.25, 1.2))
-    below, above = (sheet.height for sheet in made.sheets)
-    assert below == pytest.approx(-specimen.substrate.thickness / 1.5)
-    assert above == specimen.kirigami.thickness
+    (below, bond), (other, above) = ((sheet.bottom, sheet.top) for sheet in made.sheets)
+    assert bond == other == 0
+    assert below == pytest.approx(-specimen.layer("substrate").thickness / 1.5)
+    assert above == specimen.layer("kirigami").thickness
     assert made.shrinkage == pytest.approx(1 / 1.25)
 
 

@@ -7,29 +7,31 @@ import numpy as np
 import pytest
 
 from bilayer import CutPattern, InputError, Prestretch, paper_specimen
+from bilayer.specimen.two_layers import turned_over, with_stretched
 
 
 def stretched(*layers, thickness="natural", side="above"):
     """The paper's specimen with other layers stretched, the kirigami on a side."""
-    prestretch = replace(paper_specimen().prestretch, layers=layers, thickness=thickness)
-    return replace(paper_specimen(), prestretch=prestretch, kirigami_side=side)
+    prestretch = replace(paper_specimen().prestretch, thickness=thickness)
+    specimen = with_stretched(replace(paper_specimen(), prestretch=prestretch), layers)
+    return specimen if side == "above" else turned_over(specimen)
 
 
 @pytest.mark.parametrize("name", ["substrate", "kirigami"])
 def test_the_layer_that_is_stretched_keeps_its_volume_or_its_thickness(name):
     natural = stretched(name).bonded_layer(name, (1.2, 1.1))
     assert natural.thickness == pytest.approx(0.001 / 1.32)
-    assert natural.stretch == (1.2, 1.1)
+    assert natural.stretch == ((1.2, 0.0), (0.0, 1.1))
     constant = stretched(name, thickness="constant").bonded_layer(name, (1.2, 1.1))
     assert constant.thickness == 0.001
     (other,) = {"substrate", "kirigami"} - {name}
     unstretched = stretched(name).bonded_layer(other, (1.2, 1.1))
-    assert (unstretched.thickness, unstretched.stretch) == (0.001, (1.0, 1.0))
+    assert (unstretched.thickness, unstretched.stretch) == (0.001, ((1.0, 0.0), (0.0, 1.0)))
 
 
 def test_both_layers_may_be_stretched():
     layers = stretched("kirigami", "substrate").bonded_layers((1.2, 1.1))
-    assert [part.stretch for part in layers] == [(1.2, 1.1), (1.2, 1.1)]
+    assert [part.axial_stretch for part in layers] == [(1.2, 1.1), (1.2, 1.1)]
 
 
 @pytest.mark.parametrize(
@@ -44,13 +46,14 @@ def test_layers_are_listed_from_the_bottom_and_meet_at_the_bond(side, order):
 
 
 def test_the_cutouts_are_in_the_kirigami_layer_alone():
-    regions = {part.name: part.regions for part in paper_specimen().bonded_layers((1.1, 1.1))}
-    assert regions == {"substrate": (0, 1), "kirigami": (1,)}
+    sets = paper_specimen().layer_sets
+    assert sets == ({"substrate"}, {"substrate", "kirigami"})
 
 
 def test_other_milestones_leave_the_stretched_layers():
     specimen = stretched("kirigami", thickness="constant").with_milestones([1.5])
-    assert specimen.prestretch == Prestretch((1.5,), "constant", ("kirigami",))
+    assert specimen.prestretch == Prestretch((1.5,), "constant")
+    assert specimen.stretched_layers == ("kirigami",)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +68,7 @@ def test_other_milestones_leave_the_stretched_layers():
 )
 def test_bad_stretched_layers_are_named(layers, message):
     with pytest.raises(InputError, match=message):
-        Prestretch((1.1,), layers=layers)
+        with_stretched(paper_specimen(), layers)
 
 
 def test_first_strip_lies_on_the_x_axis():

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from bilayer import (
     CutPattern,
+    Disc,
     InputError,
     Layer,
     LinearElastic,
@@ -15,7 +16,7 @@ from bilayer import (
     MooneyRivlin,
     NeoHookean,
     Prestretch,
-    Specimen,
+    disc_bilayer,
     paper_specimen,
     parse_specimen,
     read_specimen,
@@ -31,7 +32,7 @@ law = st.one_of(
     st.builds(NeoHookean.from_moduli, modulus, poisson),
     st.builds(LinearElastic, modulus, poisson),
 )
-layer = st.builds(Layer, length, law, st.floats(1.0, 5000.0))
+layer = st.builds(Layer, st.just("layer"), length, law, st.floats(1.0, 5000.0))
 cut = st.one_of(
     st.none(),
     st.builds(CutPattern, st.integers(1, 12), st.floats(0.001, 0.03), st.floats(0.01, 0.5)),
@@ -48,12 +49,12 @@ def specimens(draw):
     nominal = [max(item) if isinstance(item, tuple) else item for item in items]
     unique = [item for k, item in enumerate(items) if nominal.index(nominal[k]) == k]
     layers = draw(st.sampled_from([["substrate"], ["kirigami"], ["kirigami", "substrate"]]))
-    prestretch = Prestretch(unique, draw(st.sampled_from(["natural", "constant"])), layers)
+    prestretch = Prestretch(unique, draw(st.sampled_from(["natural", "constant"])))
     mesh = draw(st.sampled_from([MeshSize(), MeshSize(0.003, 0.001)]))
     side = draw(st.sampled_from(["above", "below"]))
-    return Specimen(
+    return disc_bilayer(
         0.04, draw(layer), draw(layer), prestretch, draw(cut), mesh, draw(st.floats(0, 10)), "a",
-        side,
+        side, layers,
     )  # fmt: skip
 
 
@@ -65,9 +66,9 @@ def test_what_is_written_reads_back_the_same(specimen):
 
 def test_the_template_is_the_papers_specimen():
     specimen = paper_specimen()
-    assert (specimen.outer_radius, specimen.cut.inner_radius) == (0.04, 0.008)
-    assert (specimen.cut.strips, specimen.cut.cutout_angle) == (5, 0.3)
-    assert specimen.kirigami.material.young_modulus == pytest.approx(368_988.0)
+    assert (specimen.outline, specimen.characteristic_length) == (Disc(0.04), 0.04)
+    assert specimen.layer("kirigami").pattern == CutPattern(5, 0.008, 0.3)
+    assert specimen.layer("kirigami").material.young_modulus == pytest.approx(368_988.0)
     assert specimen.prestretch.nominal == [1.03, 1.06, 1.09, 1.12, 1.15, 1.18, 1.21, 1.24]
 
 
@@ -78,12 +79,13 @@ def test_the_template_names_the_units(unit):
 
 def test_overrides_replace_single_keys():
     specimen = parse_specimen(template(), ["cut.strips=6", "substrate.thickness = 0.0008"])
-    assert (specimen.cut.strips, specimen.substrate.thickness) == (6, 0.0008)
+    assert specimen.layer("kirigami").pattern.strips == 6
+    assert specimen.layer("substrate").thickness == 0.0008
 
 
 def test_without_the_cut_table_the_disc_is_whole():
     text = template().split("[cut]")[0] + "[substrate]" + template().split("[substrate]")[1]
-    assert parse_specimen(text).cut is None
+    assert parse_specimen(text).layer("kirigami").is_whole
 
 
 def test_constants_may_be_given_directly():
@@ -104,9 +106,10 @@ def test_constants_may_be_given_directly():
         milestones = [1.03]
     """
     specimen = parse_specimen(text)
-    assert (specimen.kirigami_side, specimen.prestretch.layers) == ("above", ("substrate",))
-    assert specimen.substrate.material == MooneyRivlin(4839.1, 14_536.0, 0.0)
-    assert specimen.kirigami.material == LinearElastic(1e5, 0.5)
+    assert specimen.layer_names == ("substrate", "kirigami")
+    assert specimen.stretched_layers == ("substrate",)
+    assert specimen.layer("substrate").material == MooneyRivlin(4839.1, 14_536.0, 0.0)
+    assert specimen.layer("kirigami").material == LinearElastic(1e5, 0.5)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """A study read as one dataset and drawn: its fields as dimensions, what cannot be taken marked."""
 
 import functools
+import json
 import re
 import subprocess
 import sys
@@ -164,6 +165,33 @@ def test_points_that_cannot_be_taken_are_marked(made_study):
     sound = {"prestretch": 1.06}
     (axes,) = draw_study(study, "cut.cutout_angle", "quality", "cut.strips", sound).axes
     assert [line.get_label() for line in axes.lines] == ["strips 5", "strips 6"]
+
+
+def test_a_prestretch_that_comes_again_is_told_apart(made_study):
+    """As pairs with one larger stretch do, and a load path that goes back."""
+    study = open_study(made_study(GRID)).assign_coords(
+        prestretch=[1.06, 1.06],
+        prestretch_x=("prestretch", [1.06, 1.06]),
+        prestretch_y=("prestretch", [1.03, 1.06]),
+    )
+    chosen = {"prestretch_y": 1.03, "cut.strips": 5}
+    table = study_table(study, "cut.cutout_angle", "height", None, chosen)
+    expected = 1e3 * study["height"].sel({"cut.strips": 5}).isel(prestretch=0).values
+    np.testing.assert_array_equal(table["height"], expected)
+    with pytest.raises(InputError, match=r"prestretch_y has the values 1.03, 1.06: .* chosen"):
+        study_table(study, "cut.cutout_angle", "height", None, {"cut.strips": 5})
+    axes = draw_study(study, "cut.cutout_angle", "height", "prestretch_y", {"cut.strips": 5}).axes
+    assert len(axes[0].lines) == 2
+
+
+def test_a_plan_of_an_earlier_version_is_read(made_study):
+    path = made_study(HEAD)
+    plan = json.loads((path / "plan.json").read_text())
+    for entry in plan["cases"]:
+        entry["milestones"] = [max(pair) for pair in entry["milestones"]]
+    now = open_study(path).load()
+    (path / "plan.json").write_text(json.dumps(plan))
+    xr.testing.assert_identical(open_study(path).load(), now)
 
 
 def test_lengths_are_drawn_in_millimetres(made_study):

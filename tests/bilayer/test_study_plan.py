@@ -7,7 +7,8 @@ import pytest
 from studies_for_tests import write_study
 
 from bilayer.errors import InputError
-from bilayer.study.plan import read_study
+from bilayer.study.case import BYTES_OF_A_PROCESS
+from bilayer.study.plan import _ascending, read_study
 from bilayer.study.variation import product_rows, sampled_rows, zipped_rows
 
 HEAD = 'specimen = "specimen.toml"\nsolver = "dshell"\n'
@@ -24,7 +25,8 @@ def test_the_product_of_lists_and_ranges(plan):
         '"cut.cutout_angle" = { start = 0.1, stop = 0.3, num = 3 }'
     )
     assert study.fields == ("cut.strips", "cut.cutout_angle")
-    found = [(c.specimen.cut.strips, c.specimen.cut.cutout_angle) for c in study.cases]
+    cuts = [c.specimen.layer("kirigami").pattern for c in study.cases]
+    found = [(cut.strips, cut.cutout_angle) for cut in cuts]
     assert found == [(n, angle) for n in (3, 4) for angle in (0.1, 0.2, 0.3)]
     assert {c.model for c in study.cases} == {"morley"}
 
@@ -66,7 +68,10 @@ def test_zipped_prestretches_are_a_path_where_all_else_is_equal(plan):
     study = plan(
         HEAD + '[zip]\n"prestretch.milestones" = [1.03, 1.06, 1.09]\n"cut.strips" = [4, 4, 5]'
     )
-    found = [(c.specimen.cut.strips, c.specimen.prestretch.nominal) for c in study.cases]
+    found = [
+        (c.specimen.layer("kirigami").pattern.strips, c.specimen.prestretch.nominal)
+        for c in study.cases
+    ]
     assert found == [(4, [1.03, 1.06]), (5, [1.09])]
 
 
@@ -134,7 +139,6 @@ def test_a_case_that_is_not_valid_is_named_before_anything_runs(plan):
         (HEAD + '[vary]\n"settings.fenics.tolerance" = [1.0]', "expected one of 'dshell'"),
         (HEAD + '[vary]\n"settings.dshell.model" = ["papr"]', "did you mean 'paper'"),
         (HEAD + '[vary]\n"prestretch.milestones" = [1.03, "x"]', "expected a number"),
-        (HEAD + '[vary]\n"mesh.size" = [1e-6]', "case 1 .*GiB for the solver 'dshell'"),
         (HEAD + '[zip]\n"cut.strips" = [5]\n"mesh.size" = [0.01, 0.02]', "of one length"),
         (
             HEAD + '[vary]\n"cut.strips" = [5]\n[zip]\n"cut.strips" = [5]',
@@ -153,7 +157,21 @@ def test_what_is_wrong_in_a_study_file_is_named(plan, text, message):
         plan(text)
 
 
+@pytest.mark.parametrize(
+    "given", [[1.2, [1.2, 1.0], [1.2, 1.1], 1.1], [[1.2, 1.1], 1.1, 1.2, [1.2, 1.0]]]
+)
+def test_milestones_of_one_larger_stretch_are_in_the_order_of_the_other(given):
+    assert _ascending(given) == [1.1, [1.2, 1.0], [1.2, 1.1], 1.2]
+
+
 def test_long_cases_cost_more(plan):
     study = plan(HEAD + '[vary]\n"mesh.size" = [0.01, 0.005]\n')
     coarse, fine = (case.cost for case in study.cases)
     assert np.isclose(fine / coarse, 4, rtol=0.1)
+
+
+def test_more_elements_through_a_layer_take_more_memory(plan):
+    text = 'specimen = "specimen.toml"\nsolver = "fenics"\n[vary]\n'
+    study = plan(text + '"settings.fenics.substrate_elements" = [1, 3]\n')
+    one, three = (case.memory - BYTES_OF_A_PROCESS for case in study.cases)
+    assert three == pytest.approx(2 * one)

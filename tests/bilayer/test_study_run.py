@@ -17,10 +17,12 @@ from bilayer.errors import ComputationError
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
 from bilayer.study.index import TIMINGS, read_index, write_index
+from bilayer.study.memory import first_at_once, memory_note
 from bilayer.study.plan import read_study
-from bilayer.study.run import cases_to_compute
+from bilayer.study.run import cases_to_compute, run_study
 from dshell.release.specimen_path import ShellPath
 
+ONE_TOO_LARGE = QUICK + '[vary]\n"mesh.size" = [0.016, 1e-6]\n'
 TWO_ANGLES = QUICK + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n'
 LONG = QUICK.replace("0.002", "0.04")
 """Cases of half a second or more, to be met in the middle."""
@@ -82,6 +84,37 @@ def test_a_result_opens_as_any_other(study):
     assert list(index["quality"]) == list(result["quality"].values)
 
 
+def test_pairs_with_one_larger_stretch_are_milestones_of_one_case(study):
+    write, out = study
+    pairs = "[1.03, 1.0], [1.02, 1.03], 1.03, 1.01"
+    assert main(write(QUICK + f'[vary]\n"prestretch.milestones" = [{pairs}]\n')) == 0
+    index = pd.read_csv(out / "study.csv")
+    assert index["prestretch_x"].tolist() == [1.01, 1.03, 1.02, 1.03]
+    assert index["prestretch_y"].tolist() == [1.01, 1.0, 1.03, 1.03]
+    (identity,) = index["case"].unique()
+    result = open_result(out / "cases" / f"{identity}.nc")
+    opened = open_study(out)
+    for name in ("quality", "height", "converged"):
+        assert index[name].to_numpy() == pytest.approx(result[name].values)
+        assert opened[name].values[0] == pytest.approx(result[name].values)
+    assert opened["position"].values[0] == pytest.approx(result["position"].values)
+    chosen = opened.isel(prestretch=opened["prestretch_y"].values == 1.0)
+    assert chosen["height"].values[0] == pytest.approx(result["height"].values[[1]])
+
+
+def test_a_load_path_that_goes_back_is_one_case(study):
+    write, out = study
+    words = write(QUICK)
+    specimen = out.parent / "specimen.toml"
+    path = specimen.read_text().replace("[1.03, 1.06]", "[1.03, 1.06, 1.03]")
+    specimen.write_text(path)
+    assert main(words) == 0
+    opened = open_study(out)
+    assert opened["prestretch"].values.tolist() == [1.03, 1.06, 1.03]
+    assert opened["visit"].values.tolist() == [0, 0, 1]
+    assert opened["converged"].values.tolist() == [[1, 1, 1]]
+
+
 def test_a_case_that_fails_is_recorded_and_stops_no_other(study, capsys):
     """The printed shell refuses a true weight."""
     write, out = study
@@ -96,6 +129,60 @@ def test_a_case_that_fails_is_recorded_and_stops_no_other(study, capsys):
     assert len(log_lines(out, "failed")) == 1
     assert main([*words, "--retry-failed"]) == 1
     assert (len(log_lines(out, "failed")), len(log_lines(out, "done"))) == (2, 1)
+
+
+def test_a_case_that_lacks_memory_is_named_and_stops_no_other(study, capsys):
+    write, out = study
+    words = write(ONE_TOO_LARGE)
+    too_large = r"mesh.size = 1e-06\) lacks memory: .*: mesh.size = 1e-06 m: about .* GiB"
+    assert main([*words, "--dry-run"]) == 0
+    told = capsys.readouterr().out.strip().splitlines()
+    assert len(told) == 2
+    assert told[0].startswith("2 cases, 1 cases to compute;")
+    assert re.search(too_large, told[1])
+    assert not out.exists()
+    for start in (1, 2):  # it is not held against the case: each start looks at the memory anew
+        assert main(words) == 1
+        told = capsys.readouterr().err.strip().splitlines()
+        assert len(told) == 1
+        assert re.search(too_large, told[0])
+        index = pd.read_csv(out / "study.csv")
+        assert index["status"].tolist() == 2 * ["done"] + 2 * ["lacks memory"]
+        assert len(log_lines(out, "lacks memory")) == start
+    assert len(log_lines(out, "begun")) == 1
+
+
+def test_a_task_of_a_job_array_looks_at_the_memory_for_its_own_case_alone(study, capsys):
+    write, out = study
+    words = write(ONE_TOO_LARGE)
+    assert main([*words, "--case", "1"]) == 0
+    assert len(log_lines(out, "done")) == 1
+    assert main([*words, "--case", "2"]) == 1
+    assert "lacks memory: " in capsys.readouterr().err
+
+
+def test_a_case_that_lacked_memory_is_computed_when_there_is_enough(study):
+    write, out = study
+    plan = read_study(write(TWO_ANGLES)[1])
+    (memory, _) = (case.memory for case in plan.cases)
+    index = run_study(plan, out, memory=0.9 * memory)
+    assert set(index["status"]) == {"lacks memory"}
+    assert set(run_study(plan, out, memory=1.1 * memory)["status"]) == {"done"}
+    assert {path.suffix for path in (out / "cases").iterdir()} == {".nc"}
+
+
+def test_no_more_cases_run_at_once_than_the_memory_holds(study):
+    write, out = study
+    plan = read_study(write(LONG + '[vary]\n"cut.cutout_angle" = [0.3, 0.31, 0.32, 0.33]\n')[1])
+    largest = max(case.memory for case in plan.cases)
+    notices = []
+    run_study(plan, out, jobs=3, memory=1.5 * largest, notice=notices.append)
+    (notice,) = notices
+    assert notice.startswith("1 instead of 3 cases at a time: ")
+    events = [line.split("\t")[1] for line in (out / "study.log").read_text().splitlines()]
+    assert events == 4 * ["begun", "done"]
+    assert [first_at_once(plan.cases, jobs, 2.5 * largest) for jobs in (1, 2, 3)] == [1, 2, 2]
+    assert memory_note(plan.cases, 3, 9 * largest) == ""
 
 
 def test_a_case_that_diverges_keeps_its_file_and_is_told(study, capsys):

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from grids import frame, grid_mesh, rectangle
 
-from bilayer import generate_mesh, paper_specimen
-from bilayer.specimen.support import clamped_at_centre, held_upright
+from bilayer import InputError, generate_mesh, paper_specimen
+from bilayer.specimen.support import clamped_at_centre, held_upright, support
 
 
 @pytest.fixture(scope="module")
@@ -35,3 +36,31 @@ def test_the_held_nodes_span_an_angle(mesh):
         along, across = arms_of(mesh, held)
         lengths = np.linalg.norm(along) * np.linalg.norm(across)
         assert abs(along @ across) < 0.6 * lengths
+
+
+SHEETS = {
+    "ring": grid_mesh(frame(9, 9), 0.01, (-0.045, -0.045)),
+    "corner": grid_mesh([*rectangle(9, 2), *((x, y) for x, y in rectangle(2, 9) if y > 1)]),
+    "strip": grid_mesh(rectangle(2, 40), 0.01, (3.0, -7.0)),
+    "one row": grid_mesh(rectangle(40, 1)),
+    "one cell": grid_mesh([(0, 0)]),
+}
+
+
+@pytest.mark.parametrize("sheet", SHEETS.values(), ids=SHEETS)
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+@pytest.mark.parametrize("angle", [0.0, 0.5, 0.8, 1.2, 2.5])
+def test_any_sheet_is_held_about_its_centre_by_nodes_that_span_an_angle(sheet, gravity, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    mesh = sheet.with_points(sheet.points @ [[c, s], [-s, c]])
+    held = support(mesh.points, gravity, mesh.centroid)
+    along, across = arms_of(mesh, held)
+    distance = np.linalg.norm(mesh.points - mesh.centroid, axis=1)
+    assert distance[held[0]] == pytest.approx(distance.min())
+    height = abs(along[0] * across[1] - along[1] * across[0]) / np.linalg.norm(along)
+    assert height > 0.5 * np.sqrt(mesh.areas.max())
+
+
+def test_points_on_a_line_are_refused():
+    with pytest.raises(InputError, match="points: all lie on a line, expected a sheet"):
+        support(np.array([[0.0, 0.0], [1.0, 2.0], [2.0, 4.0]]), 0.0)

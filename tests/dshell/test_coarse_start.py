@@ -1,12 +1,15 @@
 """A fine mesh that starts from a coarse one's shape ends where it would from flat."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from released_sheets import CORNER, CUT_SHEETS, R, pile_of, sheet_of
 
 from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.errors import ComputationError
+from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle
 from dshell import HingeSettings, MorleySettings, solver
 from dshell.release import coarse_start
 from dshell.release.coarse_start import coarse_mesh, prolonged
@@ -26,12 +29,21 @@ def fine_mesh(fine_specimen):
     return generate_mesh(fine_specimen)
 
 
+@pytest.fixture(scope="module")
+def released(fine_specimen, fine_mesh):
+    """Return the fine result of a model, from flat or from a coarse mesh, computed once."""
+
+    @functools.cache
+    def release(kind, coarse_triangles):
+        settings = kind(coarse_triangles=coarse_triangles)
+        return solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+
+    return release
+
+
 @KINDS
-def test_it_ends_in_the_equilibrium_that_flat_leads_to(kind, fine_specimen, fine_mesh):
-    from_flat, from_coarse = (
-        solve(fine_specimen, "dshell", kind(coarse_triangles=count), mesh=fine_mesh)
-        for count in (0, COARSE)
-    )
+def test_it_ends_in_the_equilibrium_that_flat_leads_to(kind, released):
+    from_flat, from_coarse = released(kind, 0), released(kind, COARSE)
     assert from_flat.attrs["start"] == "flat"
     assert from_coarse.attrs["start"].startswith("flat, on a coarse mesh first: dshell, model")
     assert from_coarse.iterations.values[0] < 0.7 * from_flat.iterations.values[0]
@@ -40,20 +52,22 @@ def test_it_ends_in_the_equilibrium_that_flat_leads_to(kind, fine_specimen, fine
     assert from_coarse.position.values == pytest.approx(from_flat.position.values, abs=1e-7)
 
 
-def test_later_milestones_start_from_the_first(fine_specimen, fine_mesh):
+def test_later_milestones_start_from_the_first(fine_specimen, fine_mesh, released):
     settings = MorleySettings(coarse_triangles=COARSE)
     both = fine_specimen.with_milestones([1.03, 1.06])
     result = solve(both, "dshell", settings, mesh=fine_mesh)
-    single = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+    single = released(MorleySettings, COARSE)
     assert result.position.values[1] == pytest.approx(single.position.values[0], abs=1e-7)
 
 
-def test_a_start_that_leads_nowhere_is_left_for_flat(fine_specimen, fine_mesh, monkeypatch):
+def test_a_start_that_leads_nowhere_is_left_for_flat(
+    fine_specimen, fine_mesh, released, monkeypatch
+):
+    flat = released(MorleySettings, 0)
     noise = np.random.default_rng(0).normal(scale=0.02, size=(len(fine_mesh.points), 3))
     monkeypatch.setattr(solver, "prolonged", lambda shape, coarse, fine: noise)
     settings = MorleySettings(coarse_triangles=COARSE)
     result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
-    flat = solve(fine_specimen, "dshell", MorleySettings(coarse_triangles=0), mesh=fine_mesh)
     assert result.converged.all()
     assert result.attrs["start"].startswith("flat, because what was to start it led nowhere: flat,")
     assert result.height.values == pytest.approx(flat.height.values, rel=1e-6)
@@ -84,7 +98,7 @@ def test_a_mesh_turned_into_itself_has_the_same_cut(fine_specimen, fine_mesh, an
 
 def test_a_mesh_with_another_cut_starts_from_flat(fine_specimen, fine_mesh):
     """Its coarse mesh would have the specimen's cut, and so another shape."""
-    uncut = replace(fine_specimen, cut=None)
+    uncut = fine_specimen.with_layer("kirigami", pattern=None)
     assert coarse_mesh(fine_specimen, turned(fine_mesh, np.pi / 5), COARSE) is None
     assert coarse_mesh(uncut, fine_mesh, COARSE) is None
     result = solve(uncut, "dshell", MorleySettings(coarse_triangles=COARSE), mesh=fine_mesh)
@@ -119,6 +133,75 @@ def test_a_sphere_stays_one(coarse_mesh, fine_mesh):
     radii = np.linalg.norm(prolonged(sphere, coarse_mesh, fine_mesh), axis=1)
     assert np.ptp(radii) < 0.01 * radii.mean()  # linear interpolation: 0.03
     assert radii.mean() == pytest.approx(0.06, rel=0.05)
+
+
+C_SHAPE = Polygon(
+    ((0, 0), (4, 0), (4, 1.4), (1, 1.4), (1, 1.5), (4, 1.5), (4, 3), (0, 3)),
+    (((0.3, 0.3), (0.7, 0.3), (0.7, 0.7), (0.3, 0.7)),),
+)
+"""With a slit narrower than its triangles, and a hole."""
+OUTLINES = {
+    "disc": Disc(R),
+    "ellipse": Ellipse(4 * R, R),
+    "rounded": Rectangle(2 * R, 3 * R, 0.5 * R),
+    "corner": CORNER,
+    "slit and hole": C_SHAPE,
+}
+
+
+@pytest.fixture(scope="module", params=OUTLINES.values(), ids=OUTLINES)
+def two_meshes(request):
+    """Return a coarse and a fine mesh of an outline."""
+    length = request.param.characteristic_length
+    sheets = (sheet_of(request.param, pile_of("bilayer", 0.1 * length), size=length / size)
+              for size in (5, 18))  # fmt: skip
+    return [generate_mesh(sheet) for sheet in sheets]
+
+
+def test_a_sheet_moved_as_a_whole_is_prolonged_exactly(two_meshes):
+    coarse, fine = two_meshes
+    stretched = np.array([[1.1, 0.2, 0.3], [-0.1, 0.9, 0.4]])
+    found = prolonged(coarse.points @ stretched, coarse, fine)
+    expected = fine.points @ stretched
+    assert found - found[0] == pytest.approx(expected - expected[0], abs=1e-6 * np.ptp(fine.points))
+
+
+def test_the_sides_of_a_slit_do_not_see_each_other():
+    """The two arms of the sheet bend to opposite sides, each on a cylinder."""
+    coarse, fine = (
+        generate_mesh(sheet_of(C_SHAPE, pile_of("bilayer", 0.1), size=size)) for size in (0.4, 0.12)
+    )
+
+    def bent(mesh):
+        x, y = mesh.points.T
+        return np.column_stack([x, y, np.where(x > 1, np.sign(y - 1.45) * (x - 1) ** 2 / 8, 0)])
+
+    found, expected = prolonged(bent(coarse), coarse, fine), bent(fine)
+    assert found - found[0] == pytest.approx(expected - expected[0], abs=0.02)
+
+
+SHEETS = pytest.mark.parametrize(
+    ("outline", "pattern"),
+    [(Rectangle(2 * R, 2 * R), CUT_SHEETS["cross"][1]), (C_SHAPE, None)],
+    ids=["square", "slit and hole"],
+)
+
+
+@SHEETS
+@pytest.mark.parametrize("kind", ["bilayer", "trilayer"])
+def test_any_sheet_ends_in_the_equilibrium_that_flat_leads_to(outline, pattern, kind):
+    length = outline.characteristic_length
+    layers = pile_of(kind, 0.15 * length, pattern)
+    sheet = sheet_of(outline, layers, [1.06], size=length / 15)
+    mesh = generate_mesh(sheet)
+    from_flat, from_coarse = (
+        solve(sheet, "dshell", MorleySettings(coarse_triangles=count, tolerance=1e-10), mesh=mesh)
+        for count in (0, 200)
+    )
+    assert from_coarse.attrs["start"].startswith("flat, on a coarse mesh first: dshell, model")
+    assert from_coarse.iterations.values[0] < from_flat.iterations.values[0]
+    apart = from_coarse.position.values - from_flat.position.values
+    assert np.abs(apart).max() < 1e-6 * length
 
 
 def test_a_bad_number_is_named():

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from verification import bilayers
 
-from bilayer import PlanarMesh, solve
+from bilayer import InputError, Layer, LinearElastic, PlanarMesh, Prestretch, solve
 from bilayer.mesh.generation import generate_mesh
-from dshell import HingeSettings
+from bilayer.specimen.two_layers import BARE, KIRIGAMI, LAYERS, disc_bilayer
+from dshell import HingeSettings, MorleySettings
 from dshell.energies.topology import Topology
 from dshell.models.hinge_rest_state import (
     circumcentre_distances,
@@ -47,6 +48,48 @@ def test_bare_substrate_shrinks_and_stays_flat():
     assert bare.strain == pytest.approx([1 / 1.1 - 1, 1 / 1.2 - 1])
     assert bare.curvature == pytest.approx([0, 0], abs=1e-12)
     assert bare.neutral_axis == pytest.approx(-1e-3 / 1.1 / 1.2 / 2)
+
+
+def test_cutouts_have_the_natural_state_of_the_bare_substrate(coarse_specimen, coarse_mesh):
+    """And the edges of the cuts that of both sides, by their areas and stiffnesses."""
+    stretch = (1.2, 1.1)
+    bare, bilayer = specimen_sections(coarse_specimen, stretch)
+    springs, hinges = laminate_springs_and_hinges(coarse_mesh, bare, bilayer)
+    topology = Topology.of(coarse_mesh.triangles)
+    along = np.diff(coarse_mesh.points[topology.edges], axis=1)[:, 0][topology.hinge_edges]
+    sides = coarse_mesh.region[topology.hinge_faces]
+    natural = springs.natural_length[topology.hinge_edges]
+    cut_out, covered = (np.all(sides == region, axis=1) for region in (BARE, KIRIGAMI))
+    released = np.linalg.norm(along / stretch, axis=1)
+    assert natural[cut_out] == pytest.approx(released[cut_out])
+    assert hinges.natural_angle[cut_out] == pytest.approx(0, abs=1e-12)
+    held = np.linalg.norm(along * (1 + bilayer.strain), axis=1)
+    assert natural[covered] == pytest.approx(held[covered])
+    at_cuts = ~cut_out & ~covered
+    between = (natural - released)[at_cuts] / (held - released)[at_cuts]
+    assert min(map(np.count_nonzero, (cut_out, covered, at_cuts))) > 10
+    assert 0 < between.min() < between.max() < 1
+
+
+@pytest.mark.parametrize("settings", [HingeSettings(), MorleySettings()], ids=["hinge", "morley"])
+def test_a_free_layer_of_the_linear_law_shrinks_to_its_natural_state(settings, coarse_mesh):
+    """sqrt(1 - 2 (l - 1)), 0.7746 at 1.2, where a hyperelastic law shrinks to 1 / l."""
+    law = LinearElastic(116_250.0, 0.49)
+    layers = (Layer(name, 1e-3, law) for name in LAYERS)
+    specimen = disc_bilayer(0.04, *layers, Prestretch([1.2]), stretched=LAYERS)
+    covered = PlanarMesh(
+        coarse_mesh.points, coarse_mesh.triangles, np.ones_like(coarse_mesh.region)
+    )
+    result = solve(specimen, "dshell", settings, mesh=covered)
+    span = result.span.values[0, :2] / np.ptp(covered.points, axis=0)
+    assert span == pytest.approx([0.6**0.5] * 2, rel=1e-6)
+
+
+def test_where_the_linear_law_has_no_natural_state_the_hinges_are_refused():
+    law = LinearElastic(116_250.0, 0.49)
+    specimen = bilayers.ladder_disc().with_layer("substrate", material=law)
+    with pytest.raises(InputError, match="the linear law has no stress-free state"):
+        specimen_sections(specimen, (1.5, 1.5))
 
 
 def test_equilateral_lattice_has_the_closed_forms():

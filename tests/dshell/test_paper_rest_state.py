@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bilayer import PlanarMesh, paper_specimen
-from bilayer.mesh.planar import KIRIGAMI
+from bilayer.specimen.two_layers import KIRIGAMI
 from dshell.energies.hinges import hinge_angles
 from dshell.models.paper_rest_state import (
     edge_stiffness,

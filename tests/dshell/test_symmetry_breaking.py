@@ -14,8 +14,9 @@ FEW = 80  # iterations: none of the convex relative's crawl, which takes hundred
 
 def released(strips, milestones, size, branch="lowest"):
     paper = paper_specimen()
-    cut = replace(paper.cut, strips=strips) if strips else None
-    specimen = replace(paper, cut=cut, mesh=MeshSize(size)).with_milestones(milestones)
+    cut = replace(paper.layer("kirigami").pattern, strips=strips) if strips else None
+    specimen = replace(paper.with_layer("kirigami", pattern=cut), mesh=MeshSize(size))
+    specimen = specimen.with_milestones(milestones)
     result = solve(specimen, "dshell", MorleySettings(branch=branch))
     assert result.attrs["stop_reason"] == ""
     assert not result.unstable_modes.values.any()

@@ -81,9 +81,10 @@ def test_two_like_layers_are_one_plate_of_twice_the_thickness(coarse_mesh):
 
 def test_two_like_layers_have_the_section_of_one_of_twice_the_thickness():
     substrate = bilayers.SUBSTRATE
-    _, double = specimen_sections(replace(bilayers.ladder_disc(), kirigami=substrate), (1.0, 1.0))
-    thick = replace(substrate, thickness=2 * substrate.thickness)
-    single, _ = specimen_sections(replace(bilayers.ladder_disc(), substrate=thick), (1.0, 1.0))
+    like = bilayers.ladder_disc().with_layer("kirigami", material=substrate.material)
+    _, double = specimen_sections(like, (1.0, 1.0))
+    thick = like.with_layer("substrate", thickness=2 * substrate.thickness)
+    single, _ = specimen_sections(thick, (1.0, 1.0))
     assert double.stretching == pytest.approx(single.stretching)
     assert double.bending == pytest.approx(single.bending)
     assert double.curvature == pytest.approx([0, 0], abs=1e-12)

@@ -61,7 +61,7 @@ def test_shapes_are_found_at_and_between_targets(shell, mesh):
 def test_the_nearest_shape_stands_in(shell, mesh):
     shapes = StartShapes.of(shell, mesh)
     assert shapes.take_shapes((1.0, 1.0), (1.01, 1.02)) == []
-    first = shapes.nearest((1.01, 1.02))
+    first = shapes.take_nearest((1.01, 1.02))
     assert first.remaining == 0
     assert first.shape == pytest.approx(shell["position"].values[0])
 
@@ -81,7 +81,7 @@ def test_a_shape_that_comes_again_is_taken_in_its_turn():
 @needs_dolfinx
 def test_the_shell_leads_to_what_load_stepping_finds(shell, stepped, mesh):
     led = solve(COARSE.with_milestones([1.03, 1.06]), "fenics", mesh=mesh)
-    radius = COARSE.outer_radius
+    radius = COARSE.characteristic_length
     assert led["position"].values == pytest.approx(stepped["position"].values, abs=1e-8 * radius)
     assert led["unstable_modes"].values.tolist() == stepped["unstable_modes"].values.tolist()
     assert led["guided_steps"].values.tolist() == led["load_steps"].values.tolist() == [1, 1]

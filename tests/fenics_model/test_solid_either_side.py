@@ -11,10 +11,11 @@ from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen, solve
 from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import flat_surface
 from bilayer.results.conversion import convert_result
+from bilayer.specimen.two_layers import with_stretched
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 STRETCH = (1.03, 1.02)
-RADIUS = COARSE.outer_radius
+RADIUS = COARSE.characteristic_length
 
 
 @pytest.fixture(scope="module")
@@ -23,9 +24,10 @@ def mesh():
 
 
 def released(mesh, layers, side, stretch=STRETCH):
-    specimen = replace(COARSE, kirigami_side=side).with_milestones([stretch])
-    prestretch = replace(specimen.prestretch, layers=layers)
-    return solve(replace(specimen, prestretch=prestretch), "fenics", mesh=mesh, start="flat")
+    specimen = with_stretched(COARSE, layers).with_milestones([stretch])
+    if side == "below":
+        specimen = replace(specimen, layers=specimen.layers[::-1])
+    return solve(specimen, "fenics", mesh=mesh, start="flat")
 
 
 def turned_over(mesh):

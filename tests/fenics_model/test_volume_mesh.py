@@ -44,7 +44,7 @@ def test_tetrahedra_meet_face_to_face(planar):
 def test_the_interface_lies_over_the_planar_nodes(planar):
     covered = planar.triangles[planar.region == 1]
     mesh = extrude(planar, [Slab(0.5, 2, planar.triangles), Slab(0.25, 1, covered)])
-    interface = mesh.points[mesh.interface]
+    interface = mesh.points[mesh.reference_surface]
     assert interface[:, :2] == pytest.approx(planar.points)
     assert np.all(interface[:, 2] == 0)
     assert mesh.vertex_at[3].tolist().count(-1) == 1  # node 3 has no kirigami
@@ -60,5 +60,5 @@ def test_the_interface_lies_over_the_slabs_below_it(planar, below):
     levels = np.unique(mesh.points[:, 2])
     expected = np.array([0, 0.25, 0.5, 0.75, 0.875]) - depth
     assert levels == pytest.approx(expected if below else [0, 0.25, 0.5, 0.625])
-    on_bond = mesh.points[mesh.interface[mesh.interface >= 0]]
+    on_bond = mesh.points[mesh.reference_surface[mesh.reference_surface >= 0]]
     assert np.all(on_bond[:, 2] == 0)

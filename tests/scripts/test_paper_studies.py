@@ -204,10 +204,11 @@ def test_a_morphed_mesh_has_the_cuts_of_the_other_specimen(name):
     mesh = bilayer.generate_mesh(COARSE)
     other = parameters(COARSE)[name](1 + STEP)
     moved = morphed(mesh, COARSE, other)
-    cut, radius = other.cut, other.outer_radius
+    cut, radius = other.layer("kirigami").pattern, other.characteristic_length
     bare = moved.areas[moved.region == 0].sum()
     sectors = cut.strips * cut.cutout_angle / 2 * (radius**2 - cut.inner_radius**2)
-    before = COARSE.cut.strips * COARSE.cut.cutout_angle / 2 * (0.04**2 - 0.008**2)
+    own = COARSE.layer("kirigami").pattern
+    before = own.strips * own.cutout_angle / 2 * (0.04**2 - 0.008**2)
     flat = mesh.areas[mesh.region == 0].sum()
     assert bare / flat == pytest.approx(sectors / before, rel=3e-4)
     assert np.hypot(*moved.points.T).max() == pytest.approx(radius, rel=1e-12)
@@ -215,8 +216,9 @@ def test_a_morphed_mesh_has_the_cuts_of_the_other_specimen(name):
 
 def test_a_stiffer_layer_has_every_modulus_higher():
     stiffer = parameters(COARSE)["substrate.young_modulus"](1.01)
-    ratio = stiffer.substrate.material.young_modulus / COARSE.substrate.material.young_modulus
+    substrate, before = (s.layer("substrate").material for s in (stiffer, COARSE))
+    ratio = substrate.young_modulus / before.young_modulus
     assert math.isclose(ratio, 1.01, rel_tol=1e-12)
-    nu = stiffer.substrate.material.poisson_ratio
-    assert math.isclose(nu, COARSE.substrate.material.poisson_ratio, rel_tol=1e-12)
-    assert stiffer.kirigami == COARSE.kirigami
+    nu = substrate.poisson_ratio
+    assert math.isclose(nu, before.poisson_ratio, rel_tol=1e-12)
+    assert stiffer.layer("kirigami") == COARSE.layer("kirigami")

@@ -1,0 +1,70 @@
+"""What both forms of a specimen file share: known keys, keys that have to be there."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from bilayer.errors import InputError
+from bilayer.specimen.prestretch import Prestretch
+from bilayer.specimen.specimen import MeshSize, Specimen
+from bilayer.specimen.units import in_si
+from bilayer.validation import nearest
+
+Tables = Mapping[str, Any]
+
+COMMON: dict[str, tuple[str, ...]] = {
+    "specimen": ("name", "outer_radius"),
+    "prestretch": ("milestones", "thickness"),
+    "gravity": ("acceleration",),
+    "mesh": ("size", "corner_size"),
+}
+"""Tables that are the same in both forms, each with its keys."""
+
+
+def check_keys(table: str, content: Iterable[str], known: Iterable[str]) -> None:
+    """Raise InputError, with the nearest one, for a key of a table that is unknown."""
+    names = list(known)
+    for key in content:
+        if key not in names:
+            expected = f"expected one of {', '.join(names)}"
+            raise InputError(f"{table}.{key}: unknown key, {expected}{nearest(key, names)}")
+
+
+def required(table: str, content: Any, key: str) -> Any:
+    """Return the value of a key; raise InputError if it is not there."""
+    if key not in content:
+        raise InputError(f"{table}.{key}: missing, expected a value in table [{table}]")
+    return content[key]
+
+
+def as_table(name: str, content: Any) -> Mapping[str, Any]:
+    """Return a table; raise InputError if it is something else."""
+    if not isinstance(content, Mapping):
+        raise InputError(f"{name} = {content!r}: expected a table [{name}]")
+    return content
+
+
+def common_fields(data: Tables) -> dict[str, Any]:
+    """Return the fields of a specimen that stand in `COMMON`, but for the outline."""
+    path = data.get("prestretch", {})
+    rule = {key: path[key] for key in ("thickness",) if key in path}
+    gravity = in_si("gravity", data.get("gravity", {}))
+    return {
+        "name": data.get("specimen", {}).get("name", "specimen"),
+        "prestretch": Prestretch(required("prestretch", path, "milestones"), **rule),
+        "gravity": gravity.get("acceleration", 0.0),
+        "mesh": MeshSize(**in_si("mesh", data.get("mesh", {}))),
+    }
+
+
+def milestones_in_file(specimen: Specimen) -> list[Any]:
+    """Return the milestones as a file has them: a number where both directions are stretched."""
+    return [x if x == y else [x, y] for x, y in specimen.prestretch.milestones]
+
+
+def gravity_and_mesh(specimen: Specimen) -> dict[str, Any]:
+    """Return the last two tables of a file."""
+    size = {key: getattr(specimen.mesh, key) for key in COMMON["mesh"]}
+    return {
+        "gravity": {"acceleration": specimen.gravity},
+        "mesh": {key: value for key, value in size.items() if value is not None},
+    }
