@@ -97,14 +97,13 @@ def trust(result: xr.Dataset) -> str:
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    return "".join(
-        [
-            f"{_trust_as_equilibrium(result)} {_trust_without_contact(result)}",
-            _trust_as_shell(result),
-            *(f" {warning}" for warning in law_warnings(result)),
-            missing,
-        ]
-    )
+    sentences = [
+        _trust_as_equilibrium(result),
+        _trust_without_contact(result),
+        *thickness_warnings(result),
+        *law_warnings(result),
+    ]
+    return " ".join(sentences) + missing
 
 
 def _trust_as_equilibrium(result: xr.Dataset) -> str:
@@ -152,16 +151,16 @@ def _trust_without_contact(result: xr.Dataset) -> str:
     )
 
 
-def _trust_as_shell(result: xr.Dataset) -> str:
-    """Say that the sheet is too thick for a shell, or nothing."""
+def thickness_warnings(result: xr.Dataset) -> list[str]:
+    """Return a sentence if the sheet of a shell's result is too thick for a shell."""
     specimen = result_specimen(result)
     if result.attrs["solver"] != "dshell" or not is_thick(specimen):
-        return ""
-    return (
-        f" The sheet is TOO THICK FOR A SHELL: its whole thickness is "
+        return []
+    return [
+        f"The sheet is TOO THICK FOR A SHELL: its whole thickness is "
         f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
         f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
-    )
+    ]
 
 
 def _settings(result: xr.Dataset) -> dict[str, object]:

@@ -14,8 +14,8 @@ from bilayer.geometry.alignment import aligned, placed
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
-from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
+from dshell.models.reference_surface import reference_surface_over
 from dshell.release.rigid_motion import held_coordinates, support
 from dshell.solve.newton import Body
 
@@ -26,7 +26,7 @@ UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
-"""How far an unstable equilibrium is left along its mode, over the substrate's thickness."""
+"""How far an unstable equilibrium is left along its mode, over the carrier's thickness."""
 
 
 class ShellModel(Protocol):
@@ -38,8 +38,8 @@ class ShellModel(Protocol):
     def energies(self, stretch: Stretch) -> Sequence[Energy]:
         """Return the energies at a prestretch, always on the same stencils."""
 
-    def bond_height(self, stretch: Stretch) -> Array | float:
-        """Return the height of the bond above the nodes in the flat state, m, shape (n,) or ()."""
+    def reference_height(self, stretch: Stretch) -> Array | float:
+        """Return the flat height of the reference surface above the nodes, m, shape (n,) or ()."""
 
     def energy_terms(self, stretch: Stretch, state: Array) -> Mapping[str, float]:
         """Return the energies that a result lists, J."""
@@ -124,27 +124,27 @@ class SpecimenShell:
         """Return the nodes of the model's surface, m, shape (n, 3)."""
         return state[: 3 * len(self.mesh.points)].reshape(-1, 3)
 
-    def interface(self, stretch: Stretch, state: Array) -> Array:
-        """Return the bonded interface where the nodes are held, m, shape (n, 3)."""
-        mesh, height = self.mesh, self.model.bond_height(stretch)
-        return bonded_interface(self.surface(state), mesh.triangles, mesh.areas, height)
+    def reference_surface(self, stretch: Stretch, state: Array) -> Array:
+        """Return the reference surface where the nodes are held, m, shape (n, 3)."""
+        mesh, height = self.mesh, self.model.reference_height(stretch)
+        return reference_surface_over(self.surface(state), mesh.triangles, mesh.areas, height)
 
     def position(self, stretch: Stretch, state: Array) -> Array:
-        """Return the bonded interface as a result has it, m, shape (n, 3).
+        """Return the reference surface as a result has it, m, shape (n, 3).
 
         A shape without weight has no orientation of its own: it is turned to lie on the flat sheet
         as well as it can, and not as the held nodes happen to tilt it.
         """
-        shape = self.interface(stretch, state)
+        shape = self.reference_surface(stretch, state)
         if self.specimen.gravity > 0:
             return shape
         flat = flat_surface(self.mesh)
         return aligned(shape, flat.points, flat.node_areas)
 
-    def state_near(self, bond: Array, stretch: Stretch) -> Array:
-        """Return the state whose bonded interface is near a given one, in any position."""
-        mesh, depth = self.mesh, -self.model.bond_height(stretch)
-        surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
+    def state_near(self, shape: Array, stretch: Stretch) -> Array:
+        """Return the state whose reference surface is near a given one, in any position."""
+        mesh, depth = self.mesh, -self.model.reference_height(stretch)
+        surface = reference_surface_over(shape, mesh.triangles, mesh.areas, depth)
         return self._state_of(placed(surface, mesh.points, self._held_nodes))
 
     def _state_of(self, nodes: Array) -> Array:

@@ -50,6 +50,10 @@ ENERGY_NOISE = 1e-6
 """Relative. Smaller changes may be round-off (strains of 1e-5 leave the energy six digits), so
 there the residual force is the judge."""
 
+CORRECTION_NOISE = 1e-12
+"""Relative. Near an equilibrium a correction changes the energy by less, so that round-off would
+decide whether it is kept; there the residual force is the judge."""
+
 
 class NoDescentError(ComputationError):
     """No step along Newton's direction lowers the energy."""
@@ -314,7 +318,9 @@ class EquilibriumSolver:
         """Return what the largest share of a correction that lowers the energy makes of it."""
         for share in CORRECTION_SHARES:
             there = self.placed(here.body, here.state + share * correction)
-            if there.energy < here.energy:
+            noise = CORRECTION_NOISE * here.energy_scale
+            change = there.energy - here.energy
+            if change < -noise or (change <= noise and there.error < here.error):
                 return there
         return None
 

@@ -107,8 +107,8 @@ def _ogden(mu: list[float], alpha: list[float]) -> LawCase:
     m, a = np.array(mu), np.array(alpha)
     return LawCase(
         Ogden(mu, alpha),
-        lambda stretch: float((2 * m / a**2) @ ((stretch ** a[:, None]).sum(axis=1) - 3)),
-        lambda stretch: (2 * m / a) @ stretch ** a[:, None],
+        lambda x: float((2 * m / a**2) @ ((x ** a[:, None]).sum(axis=1) - 3)),
+        lambda x: (2 * m / a) @ x ** a[:, None],
     )
 
 
