@@ -1,4 +1,4 @@
-"""What can go wrong, in two kinds: the input is bad, or the computation failed."""
+"""The exceptions, of two kinds: the input is bad, or the computation failed."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

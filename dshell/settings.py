@@ -11,15 +11,15 @@ from bilayer.validation import fraction, keep, not_negative, one_of, positive, w
 from dshell.energies.through_thickness import PROFILES
 
 METHODS = ("static", "dynamic")
-"""How a shape is found: `dshell.release.static` or `dshell.release.dynamic`."""
+"""Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
 BRANCHES = ("lowest", "other", "unstable")
-"""What follows an unstable equilibrium, see `dshell.release.branches`."""
+"""Branches to follow after an unstable equilibrium, see `dshell.release.branches`."""
 MOST_TIME_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
 class ReleaseSettings:
-    """How equilibria are found; shared by the models `morley` and `hinge`."""
+    """Settings of the search for equilibria, shared by the models `morley` and `hinge`."""
 
     method: str = documented(
         "static",
@@ -29,7 +29,7 @@ class ReleaseSettings:
         20.0, "dynamic: time to each milestone; the prestretch grows in its first half [s]"
     )
     time_step: float = documented(
-        0.01, "dynamic: first time step of implicit Euler; the others find their length [s]"
+        0.01, "dynamic: first time step of implicit Euler; later ones adapt [s]"
     )
     damping_rate: float = documented(10.0, "dynamic: viscous force per mass and velocity [1/s]")
     tolerance: float = documented(
@@ -40,21 +40,21 @@ class ReleaseSettings:
         0.015, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
     )
     longest_step: float = documented(
-        0.5, "largest displacement in one Newton iteration over the outer radius"
+        0.5,
+        "maximum nodal displacement per Newton iteration, as a fraction of the outer radius [1]",
     )
     smallest_step: float = documented(
-        0.01, "smallest load step that is tried over the way between two milestones"
+        0.01, "smallest load step, as a fraction of the way between two milestones [1]"
     )
     coarse_triangles: int = documented(
         1500,
-        "static: a mesh with more than 4 times as many triangles starts from the shape on a mesh "
-        "with about so many; 0: from flat",
+        "static: a mesh with more than 4 times as many triangles starts from the shape on a "
+        "coarse mesh with about this number; 0: from flat",
     )
     branch: str = documented(
         "lowest",
-        "where an equilibrium is unstable, which of the stable ones to either side of its mode to "
-        "take: that of lower energy, the other one, or none, which goes on with the unstable one "
-        "(lowest, other, unstable)",
+        "after a loss of stability, follow the branch of lowest energy ('lowest'), the other one "
+        "('other'), or stay on the unstable one ('unstable')",
     )
 
     def __post_init__(self) -> None:
@@ -89,7 +89,7 @@ class HingeSettings(ReleaseSettings):
 
 @dataclass(frozen=True)
 class PaperSettings:
-    """What the paper leaves open about its discrete shell; see docs/theory-dshell.md."""
+    """Settings of the paper's shell that the paper leaves open; see docs/theory-dshell.md."""
 
     stopping_is_a_result: ClassVar[bool] = True  # where it fails is one of the paper's results
 

@@ -16,7 +16,7 @@ BRANCHES = ("lowest", "other", "unstable")
 
 @dataclass(frozen=True)
 class SolidSettings:
-    """How the layered solid is discretised and how its load path is followed.
+    """Settings of the layered solid and of its load path.
 
     Raises
     ------
@@ -33,9 +33,7 @@ class SolidSettings:
     )
     quadrature_degree: int = documented(4, "polynomial degree that the quadrature integrates")
     first_step: float = documented(0.001, "first load step, as a change of the prestretch [1]")
-    smallest_step: float = documented(
-        1e-4, "where a failing load step is no longer cut back but given up [1]"
-    )
+    smallest_step: float = documented(1e-4, "smallest load step; if it fails, the path ends [1]")
     largest_step: float = documented(0.05, "largest load step [1]")
     target_iterations: int = documented(
         8, "Newton iterations that a load step should take; its size grows or shrinks toward this"
@@ -43,15 +41,14 @@ class SolidSettings:
     iteration_limit: int = documented(12, "Newton iterations after which a load step has failed")
     flow_steps: int = documented(
         100,
-        "time steps of the viscous flow to a stable equilibrium, where load steps fail or a "
-        "milestone is unstable, after which it is given up; 0: no such flow",
+        "maximum number of pseudo-time steps of the gradient flow, which finds a stable "
+        "equilibrium if load steps fail or a milestone is unstable; 0: no gradient flow",
     )
     branch: str = documented(
         "lowest",
-        "where load steps come to an unstable milestone, which of the stable branches to either "
-        "side of its mode to take: that of lower energy, the other one, or none (lowest, other, "
-        "unstable); a start that leads straight to stable shapes leaves no such choice: choose "
-        "with --start flat",
+        "after a loss of stability, follow the branch of lowest energy ('lowest'), the other one "
+        "('other'), or stay on the unstable one ('unstable'); use it with --start flat, because "
+        "the shapes of a start may lead straight to a stable branch",
     )
     tolerance: float = documented(
         1e-10, "residual at a milestone, relative to the flat state's [1]"

@@ -142,11 +142,11 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="6 mm mesh, four of the prestretches")
     parser.add_argument(
         "--all", action="store_true",
-        help="then the studies of scripts/paper_studies, too; with --quick the shell's alone",
+        help="also compute the studies of scripts/paper_studies (with --quick: of the shell only)",
     )  # fmt: skip
     parser.add_argument(
         "--output", type=Path, metavar="DIR",
-        help="where to write; results/paper, or results/quick with --quick, where left out",
+        help="folder to write to (default: results/paper, or results/quick with --quick)",
     )  # fmt: skip
     return parser.parse_args()
 

@@ -45,7 +45,7 @@ MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
 
 @dataclass(frozen=True)
 class DeckSettings:
-    """How the deck is meshed and stepped.
+    """Settings of a deck: its elements, increments and imperfection.
 
     Raises
     ------
@@ -91,7 +91,7 @@ class _Part:
 
     @property
     def name(self) -> str:
-        """What the deck calls it."""
+        """Name of the layer in the deck."""
         return self.bonded.name.upper()
 
     def nodes(self, level: int) -> NDArray[np.int64]:
@@ -100,7 +100,7 @@ class _Part:
         return np.where(at < 0, 0, at + self.first_node)
 
     def place(self, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return where some nodes are drawn, m, shape (nodes, 3)."""
+        """Return the drawn positions of some nodes, m, shape (nodes, 3)."""
         return self.drawn.points[nodes - self.first_node]
 
     @property
@@ -180,7 +180,7 @@ def abaqus_deck(
 def deck_points(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float], element: str
 ) -> NDArray[np.float64]:
-    """Return where the deck's nodes are drawn, in the order of their numbers, m, shape (k, 3).
+    """Return the drawn positions of the deck's nodes, in the order of their numbers, m, (k, 3).
 
     The first are those of the substrate at the interface, over the nodes of the planar mesh.
     """

@@ -1,4 +1,4 @@
-"""What CalculiX makes of deck.inp: deck.frd (shapes), deck.sta (increments), deck.cvg (iterations).
+"""The files that CalculiX writes: deck.frd (shapes), deck.sta (increments), deck.cvg (iterations).
 
 The .frd file has fixed columns: a node's line is ' -1', its number in 10 columns and values in 12
 columns each, which touch each other.
@@ -44,7 +44,7 @@ class Frd:
 
 @dataclass(frozen=True)
 class Convergence:
-    """How a run of one step went.
+    """Increments, iterations and residual of a run of one step.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ WHOLE_STEP = 1 - 1e-6
 
 @dataclass(frozen=True)
 class CalculixSettings:
-    """How CalculiX computed a result.
+    """Settings of a result that CalculiX computed.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class CalculixSettings:
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """What was read of one deck's run, and what it belongs to."""
+    """The files of one deck's run, and the milestone they belong to."""
 
     frd: Frd
     convergence: Convergence

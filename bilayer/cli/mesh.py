@@ -18,7 +18,7 @@ def add(verbs: Any) -> None:
     )  # fmt: skip
     add_specimen_arguments(verb)
     verb.add_argument(
-        "-o", "--output", required=True, help="any format meshio writes, by the ending"
+        "-o", "--output", required=True, help="file; its ending selects one of meshio's formats"
     )
 
 

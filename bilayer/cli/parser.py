@@ -65,9 +65,7 @@ def add_case_arguments(verb: Parser) -> None:
         "--prestretch", nargs="+", metavar="L",
         help="milestones instead of the file's; L, or LX,LY for two directions",
     )  # fmt: skip
-    verb.add_argument(
-        "--mesh", metavar="FILE", help="a planar mesh, or a result's, instead of a generated one"
-    )
+    verb.add_argument("--mesh", metavar="FILE", help="use this planar mesh, or that of a result")
 
 
 def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:

@@ -43,9 +43,10 @@ def add(verbs: Any) -> None:
     add_case_arguments(verb)
     verb.add_argument(
         "--start", metavar="START",
-        help="what leads the way: 'shell' (the accurate discrete shell; the default of fenics), "
-        "'flat' (nothing: load stepping alone; for a fine mesh of the shell see "
-        "solver.coarse_triangles), or a result FILE.nc on the same mesh",
+        help="initial guess: 'shell' = shapes of the morley shell (the default of fenics); "
+        "'flat' = none, increase the prestretch from zero (a fine mesh of the shell then starts "
+        "from a coarse one, see solver.coarse_triangles); FILE.nc = shapes of another result on "
+        "the same mesh",
     )  # fmt: skip
     verb.late_epilog = _describe_settings
 

@@ -1,4 +1,4 @@
-"""The verb `study`: many specimens from one file; what is finished is kept and not done again."""
+"""The verb `study`: many specimens from one file; finished cases are kept and not repeated."""
 
 import argparse
 import os
@@ -45,7 +45,7 @@ def add(verbs: Any) -> None:
     )
     what = verb.add_mutually_exclusive_group()
     what.add_argument(
-        "--dry-run", action="store_true", help="say what there is to do, and compute nothing"
+        "--dry-run", action="store_true", help="print cases, memory and time; compute nothing"
     )
     what.add_argument(
         "--case", metavar="I", help="compute only the case of this number, from 1; for job arrays"

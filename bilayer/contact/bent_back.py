@@ -1,8 +1,9 @@
-"""Which triangles of a skin are bent back onto each other and near: a search in two trees at once.
+"""The pairs of triangles of a skin that are bent back and near: a search in two trees at once.
 
-The triangles are halved again and again into compact groups of the flat body. From the coarsest
-pair of groups down, only those pairs are split whose balls let some of their triangles be bent back
-and near enough: on a smooth sheet a few times as many as triangles, however fine the mesh.
+The triangles are halved again and again into compact groups of the flat body. The search starts at
+the coarsest pair of groups. It splits only those pairs whose enclosing balls allow that some of
+their triangles are bent back and near enough. On a smooth sheet their number is a few times that of
+the triangles, however fine the mesh is.
 docs/measures.md has the rule.
 """
 

@@ -36,7 +36,7 @@ def triangle_distance(first: Array, second: Array) -> Array:
 
 
 def _plane_points(edges_of: Array, plane_of: Array) -> Array:
-    """Return where each edge of one triangle comes nearest to the other's plane, (k, 3, 3)."""
+    """Return the point of each edge that is nearest to the other triangle's plane, (k, 3, 3)."""
     start, end = edges_of, np.roll(edges_of, -1, axis=1)
     a, b, c = np.moveaxis(plane_of, 1, 0)
     normal = np.cross(b - a, c - a)[:, None]

@@ -1,4 +1,4 @@
-"""How the figures look: fonts and lines for print, colours that a colour-blind reader can tell."""
+"""The style of the figures: fonts and lines for print, colours for colour-blind readers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Rigid motions of a shape: onto points that correspond, onto three held ones, and what is left."""
+"""Rigid motions of a shape: onto corresponding points, onto three held ones; the rms distance."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -6,9 +6,9 @@ S and that hemisphere H is the area-weighted symmetric root mean square
 
     sqrt( (mean over S of d(x, H)^2 + mean over H of d(x, S)^2) / 2 )
 
-with d to the nearest point, at the placing of H that makes it least. Both directions count, so
-neither a surface that covers H in part nor one that reaches beyond it is taken for H. It is given
-over the distance of the flat disc, so 0 is the hemisphere and 1 is flat.
+with d to the nearest point, minimised over the position of H. Both directions count, so that
+neither a surface that covers only a part of H, nor one that reaches beyond it, has the distance 0.
+The result is divided by the distance of the flat disc: 0 is the hemisphere and 1 is flat.
 """
 
 import math

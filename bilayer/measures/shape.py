@@ -1,6 +1,6 @@
 """Measures of a released shape: spans in its own frame, best sphere, quality as a hemisphere.
 
-docs/measures.md has the formulas, where they come from and how they can be fooled.
+docs/measures.md has the formulas, their sources, and shapes that they misjudge.
 """
 
 import math
@@ -21,7 +21,7 @@ FLAT = 50.0
 
 @dataclass(frozen=True)
 class ShapeMeasures:
-    """What is measured of one shape, in m where a length.
+    """The measures of one shape; lengths in m.
 
     `span` is the extent (x, y, z) in the body frame, `height` its z.
     """
@@ -75,7 +75,7 @@ def measure_shape(
 
 
 def quality(sphere: Sphere, span: NDArray[np.float64], flat_radius: float) -> float:
-    """Return how far a shape is from a hemisphere: 0 is a hemisphere, 1 is flat.
+    """Return the quality of a shape: 0 is a hemisphere, 1 is flat.
 
     A reading of the paper's section VII, which compares the spans with the radius of a hemisphere
     and adds the root mean square error, without a formula: the mean of |1 - Lx/2a|, |1 - Ly/2a|

@@ -134,7 +134,7 @@ class SectorDisc:
 
 
 class _Cutout(NamedTuple):
-    """What the drawing of the strips needs to know of a drawn cutout."""
+    """A drawn cutout: its surface, and the points and edges that it shares with the strips."""
 
     surface: int
     cut_edges: list[int]

@@ -1,7 +1,8 @@
-"""What makes points and triangles a mesh of one flat sheet, seen from above.
+"""The checks that points and triangles are a mesh of one flat sheet.
 
-Every point in a triangle, every triangle counterclockwise and with an area, one or two triangles
-at every edge, one on either side, and all of them in one piece. What is not so is named.
+Every point is in a triangle. Every triangle is counterclockwise and has an area. Every edge has one
+triangle, or two on different sides. All triangles form one connected piece. The error names the
+first point, triangle or edge that fails.
 """
 
 import numpy as np

@@ -13,7 +13,7 @@ Its source is the table of distances between the two solvers in docs/verificatio
 
 
 def is_unstable(result: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether another shape near by has less energy, for each milestone.
+    """Return for each milestone whether its shape is unstable: a shape nearby has less energy.
 
     False where the method cannot tell.
     """
@@ -21,7 +21,7 @@ def is_unstable(result: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def touches_itself(result: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether parts of the body overlap, for each milestone: contact is found, not resisted.
+    """Return for each milestone whether the body touches itself: contact is found, not resisted.
 
     False where it is not known, as in files older than the measure.
     """

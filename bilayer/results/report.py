@@ -1,4 +1,4 @@
-"""Results as text: the table of one run, and what made it."""
+"""Results as text: the table of one run, and its provenance."""
 
 import tomllib
 
@@ -41,7 +41,7 @@ def result_table(result: xr.Dataset) -> str:
 
 
 def provenance(result: xr.Dataset) -> str:
-    """Return what made a result: solver, specimen, mesh, settings, versions, and its table."""
+    """Return the provenance of a result: solver, specimen, mesh, settings, versions; its table."""
     result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
@@ -92,7 +92,7 @@ def _contact_word(gap: float) -> str:
 
 
 def trust(result: xr.Dataset) -> str:
-    """Return in a few sentences how far the result can be trusted."""
+    """Return a few sentences on the trust that the result deserves."""
     if not result["converged"].values.any():
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
@@ -134,7 +134,7 @@ def law_warnings(result: xr.Dataset) -> list[str]:
 
 
 def _trust_without_contact(result: xr.Dataset) -> str:
-    """Say from where on the shape would have needed contact, which the solvers do not have."""
+    """Return the milestones at which the body touches itself, and the first contact, as a text."""
     if "self_contact_gap" not in result:
         return "Self-contact was not looked for when this file was made."
     gaps = result["self_contact_gap"].values

@@ -43,7 +43,7 @@ SAME_STRETCH = 1e-9
 
 @dataclass(frozen=True)
 class MilestoneState:
-    """What a solver found at one milestone.
+    """The state at one milestone.
 
     Parameters
     ----------

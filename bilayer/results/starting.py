@@ -1,7 +1,7 @@
-"""What a run starts from: another result on the same planar mesh, made on purpose or read.
+"""The start of a run: another result on the same planar mesh, computed for it or read.
 
-A start holds shapes along the way: at milestones of the run, or between them. The accurate shell
-makes them in seconds (`shell_start`), and a solver that goes there takes few iterations.
+A start holds shapes at milestones of the run, or between them. The accurate shell computes them in
+seconds. A solver that uses them as initial guesses takes few iterations.
 """
 
 import math
@@ -20,8 +20,8 @@ LONGEST_WAY = 0.06
 
 FLAT = "flat"
 ANOTHER_RESULT = "another result: "
-"""How a result says what it was started from: flat (and how, on a fine mesh of the shell), by
-another result, or by itself (the shell)."""
+"""Beginnings of a result's attribute `start`: flat (or, on a fine mesh of the shell, flat on a
+coarse mesh first), or another result."""
 
 Stretch = tuple[float, float]
 
@@ -53,12 +53,12 @@ def with_waypoints(specimen: Specimen) -> Specimen:
 
 
 def began(start: xr.Dataset | None) -> str:
-    """Return what a result says of what it was told to start from."""
+    """Return the attribute `start` of a result that was given this start."""
     return FLAT if start is None else ANOTHER_RESULT + described(start)
 
 
 def described(start: xr.Dataset) -> str:
-    """Return in a line what a start is and what it took."""
+    """Return a start in a line: its solver, model, iterations and time."""
     iterations, seconds = int(start["iterations"].sum()), float(start["wall_time"].sum())
     return (
         f"{start.attrs['solver']}, model {start.attrs['model']}, "

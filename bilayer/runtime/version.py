@@ -1,4 +1,4 @@
-"""What made a result: the version of this package, its commit, and what computes for it."""
+"""The versions that made a result: of this package, its commit, and its libraries."""
 
 import importlib.metadata
 import platform

@@ -1,9 +1,9 @@
 """A result computed again from what its own file holds, and whether the numbers agree.
 
-Specimen, settings and planar mesh come from the file, so that neither a changed default nor another
-version of gmsh counts, but for the coarse mesh that a fine one of the shell starts from, which is
-drawn anew. On one machine two serial runs agree to the last bit. A run that another result started
-begins as usual: the file does not hold that one.
+Specimen, settings and planar mesh come from the file. A changed default or another version of gmsh
+therefore makes no difference, with one exception: the coarse mesh from which a fine mesh of the
+shell starts is generated again. On one machine two serial runs agree to the last bit. A run that
+was started from another result uses the default start: the file does not hold that result.
 """
 
 import shlex
@@ -112,7 +112,7 @@ def solve_command(result: xr.Dataset, file: str) -> str:
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
-    """Return how far two runs of one case are from each other.
+    """Return the differences of two runs of one case.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ ORIGIN: Place = (0.0, 0.0)
 
 
 def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
-    """Choose where a body is held, by whether it has a weight; see the module.
+    """Return the held nodes of a body, with or without weight; see the module.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a study still has to do: how many cases, about how long, how much memory."""
+"""Estimate of the work that a study still has to do: cases, time, memory."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from bilayer.study.folder import DONE
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is to be expected of a study.
+    """The expected work of a study.
 
     Parameters
     ----------

@@ -79,11 +79,11 @@ class StudyFolder:
 
     @property
     def log_file(self) -> Path:
-        """What was begun and what ended."""
+        """The log: a line for each start and each end of a case."""
         return self.path / "study.log"
 
     def result_file(self, identity: str) -> Path:
-        """Return where the result of a case is, or will be."""
+        """Return the path of the result of a case."""
         return self.path / "cases" / f"{identity}.nc"
 
     def unfinished_file(self, identity: str) -> Path:

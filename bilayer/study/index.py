@@ -80,7 +80,7 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
 
 
 def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | None, str, str]:
-    """Return what is stored of a case, its status, and the reason of it."""
+    """Return the stored scalars of a case, its status, and the reason of the status."""
     path = folder.kept_file(entry["case"])
     failure = folder.failure(entry["case"])
     if not path.exists():

@@ -185,7 +185,7 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
 
 
 def _teller(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:
-    """Return what is called with each case that has ended, and reports the progress."""
+    """Return a function that takes each case that has ended, and reports the progress."""
     ended: list[Case] = []
     whole = sum(case.cost for case in cases)
 

@@ -75,7 +75,7 @@ class Topology:
 
 @dataclass(frozen=True, eq=False)
 class FaceNeighbours:
-    """What lies across the edges of each triangle; edge i is the one opposite to corner i.
+    """The neighbours across the edges of each triangle; edge i is opposite to corner i.
 
     Parameters
     ----------

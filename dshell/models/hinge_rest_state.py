@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """What laminate theory makes of a pile of layers.
+    """The stiffness and the natural strain and curvature of a laminate.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def laminate_springs_and_hinges(
 
 
 def circumcentre_distances(mesh: PlanarMesh, topology: Topology) -> Array:
-    """Return how far apart the circumcentres of each hinge's triangles are, m, signed.
+    """Return the signed distance of the circumcentres of each hinge's triangles, m.
 
     a (cot alpha + cot beta) / 2 with the angles at the two apexes; negative where the mesh is not
     Delaunay.

@@ -1,8 +1,8 @@
-"""Which equilibrium a shell takes where the one that it came to is unstable.
+"""Branch switching: the equilibrium that a shell takes if the one it found is unstable.
 
-The unstable equilibrium is left along its mode to both sides, and what lies there is compared by
-its energy. Or it is kept: the path then follows the unstable equilibria, with plain Newton
-iterations, which do not mind whether the energy falls.
+The unstable equilibrium is left along its mode to both sides, and the equilibria found there are
+compared by their energies. Or it is kept. The path then follows the unstable equilibria by plain
+Newton iterations, which do not require that the energy falls.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 SIDES = (1.0, -1.0)
 ESCAPES = 3
-"""How often an unstable equilibrium is left before it is kept as it is."""
+"""Number of times that an unstable equilibrium is left before it is kept."""
 FOLLOWING_ITERATIONS = 15
 """Of plain Newton iterations near an equilibrium; a step that needs more is halved."""
 FOLLOWING_STEP = 0.05
@@ -29,7 +29,7 @@ SAME_ENERGY = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Landing:
-    """Where a load step has come to.
+    """The outcome of a load step.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Landing:
 
 
 class Branch(Protocol):
-    """A way from load step to load step."""
+    """A rule that selects the equilibrium of a load step."""
 
     def land(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits

@@ -1,7 +1,7 @@
-"""A fine mesh starts from the shape that a coarse one takes.
+"""Start of a fine mesh from the shape on a coarse one.
 
-From flat, a fine mesh takes as many Newton iterations as a coarse one, each at its own price, and
-its stiffness is indefinite on most of the way. From the coarse mesh's shape it takes a few.
+From flat, a fine mesh takes as many Newton iterations as a coarse one, and each costs more. Its
+stiffness is indefinite on most of the way. From the shape on the coarse mesh it takes a few.
 """
 
 from dataclasses import replace

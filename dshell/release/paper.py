@@ -208,7 +208,7 @@ def paper_body(
     stretch: tuple[float, float],
     settings: PaperSettings,
 ) -> MovingBody:
-    """Return what moves: the energies on their ramp, the lumped masses and the tapering gravity.
+    """Return the moving body: energies on their ramp, lumped masses and the tapering gravity.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Six held coordinates that take away the rigid motion and nothing else.
+"""Six held coordinates that remove the rigid motion and nothing else.
 
-One node is held in x, y and z, a far one in y and z, a third, off their line, in z. Elastic forces
-are in balance, so at an equilibrium without a load the reactions vanish and the shape is free.
+One node is held in x, y and z, a far one in y and z, and a third, not on their line, in z. Elastic
+forces are in balance. At an equilibrium without a load the reactions vanish, and the shape is free.
 """
 
 import numpy as np

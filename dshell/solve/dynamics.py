@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class MovingBody:
-    """What moves, and under what.
+    """A moving body: its energies, masses and loads.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class NewtonRule:
 
 @dataclass(frozen=True)
 class Stepping:
-    """How time and the Newton iterations advance.
+    """Settings of the time steps and their Newton iterations.
 
     Parameters
     ----------
@@ -119,12 +119,12 @@ class AdaptiveStepping:
     """Iterations up to which a step counts as easy."""
     GROWTH: ClassVar[float] = 1.5
     HALVINGS: ClassVar[int] = 10
-    """How often the first step may be halved in all before the motion is given up."""
+    """Number of halvings of the first step after which the motion is given up."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Where the body is at one time, and what the step to it took.
+    """The body at one time, and the iterations of the step to it.
 
     Parameters
     ----------

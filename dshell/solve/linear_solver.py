@@ -1,9 +1,9 @@
-"""Sparse symmetric systems: one small interface, PETSc where it is there, SciPy elsewhere.
+"""Sparse symmetric systems: one small interface, by PETSc if it is installed, else by SciPy.
 
-Two factorisations: L L' of a positive definite matrix, whose failure is how the static solver sees
-that a state is not stable; and L D L' of any, which tells the number of negative eigenvalues
-(Sylvester's law of inertia: as many as negative pivots in D). All matrices that a solver is given
-share one sparsity pattern, so PETSc's solvers find their ordering once.
+There are two factorisations. L L' of a positive definite matrix: its failure shows the static
+solver that a state is not stable. L D L' of any matrix: it shows the number of negative eigenvalues
+(by Sylvester's law of inertia, that of the negative pivots in D). All matrices that a solver is
+given share one sparsity pattern, so PETSc's solvers find their ordering once.
 """
 
 from importlib.util import find_spec

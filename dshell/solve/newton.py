@@ -1,13 +1,14 @@
-"""Newton's method for the least energy: projected where the Hessian is indefinite, damped.
+"""Newton's method for the least energy, damped and, if the Hessian is indefinite, modified.
 
-Each iteration factorises the exact Hessian; where that has a negative eigenvalue, its convex
-relative instead, so that the step always goes downhill. Steps are capped in length and shortened
-until the energy falls enough (Armijo); a whole one must not make the residual force much larger.
+Each iteration factorises the exact Hessian. If it has a negative eigenvalue, a convex replacement
+is factorised instead, so that the step always goes downhill. Steps are limited in length and
+shortened until the energy falls enough (Armijo). A whole step must not make the residual force much
+larger.
 
-A thin shell bends easily and stretches hardly, so a straight step that turns it also stretches it,
-and the line search would allow only short ones (the Maratos effect). Corrections with the same
-factor, which learns from each of them, take that stretch away again before the energy is judged:
-they cost no factorisation. Where in full they would raise the energy they are shortened.
+A thin shell is soft in bending and stiff in stretching. A straight step that turns it also
+stretches it, and the line search would allow only short steps (the Maratos effect). Corrections
+with the same factor remove that stretch before the energy is judged. They cost no factorisation.
+Each of them updates the factor (BFGS). A correction that would raise the energy is shortened.
 """
 
 from collections.abc import Sequence
@@ -57,7 +58,7 @@ class NoDescentError(ComputationError):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What is in equilibrium: elastic energies under a dead load.
+    """A body: elastic energies under a dead load.
 
     Parameters
     ----------
@@ -150,7 +151,7 @@ class NewtonLimits:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Where the iterations ended.
+    """The end of the iterations.
 
     Parameters
     ----------
@@ -270,7 +271,7 @@ class EquilibriumSolver:
         return direction / direction[np.argmax(np.abs(direction))]
 
     def _improved(self, here: Configuration, limits: NewtonLimits) -> Configuration:
-        """Return what one iteration makes of it: the longest halved step that is low enough."""
+        """Return the body after one iteration: the longest halved step that is low enough."""
         factor = self._descent(here)
         straight = self._step(factor, here.residual)
         step = _capped(straight, limits.longest_step)
@@ -291,10 +292,10 @@ class EquilibriumSolver:
     def _corrected(
         self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
     ) -> Configuration:
-        """Return what comes after a step and those corrections that lower the energy.
+        """Return the configuration after a step and those corrections that lower the energy.
 
-        The factor learns from the corrections, not from the step: that has stretched the shell,
-        and so the way along it, soft as it is, would seem stiff and be taken back.
+        The BFGS update must not use the step itself: it also stretches the shell, so the bending
+        direction would look stiff and the next iteration would undo the step.
         """
         free = self.assembly.free
         there = self.placed(here.body, here.state + step)
@@ -311,7 +312,7 @@ class EquilibriumSolver:
         return there
 
     def _lower(self, here: Configuration, correction: Array) -> Configuration | None:
-        """Return what the largest share of a correction that lowers the energy makes of it."""
+        """Return the body after the largest share of a correction that lowers the energy."""
         for share in CORRECTION_SHARES:
             there = self.placed(here.body, here.state + share * correction)
             if there.energy < here.energy:

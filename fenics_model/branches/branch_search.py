@@ -1,8 +1,9 @@
 """From an unstable equilibrium onto stable branches: along its mode to either side.
 
-The most unstable mode is followed down the valley of the energy on both sides; where that ends,
-Newton's method finds the equilibrium, or the viscous flow if it does not or if what it finds is
-unstable again. What both sides come to is compared by its energy, and one of them is taken.
+The most unstable mode is followed down the valley of the energy on both sides. At the end of the
+valley Newton's method finds an equilibrium. If it fails, or if that equilibrium is unstable, the
+gradient flow continues to a stable one. The two equilibria are compared by their energies, and the
+setting `branch` selects one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -74,7 +75,7 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Departure:
-    """What a search found.
+    """The outcome of a branch search.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The way down where no equilibrium is near: a viscous flow to a stable one at fixed load.
+"""Gradient flow: a viscous flow at fixed load to a stable equilibrium, if none is near.
 
 The displacement obeys c M du/dt = -dE/du, the pressures stay in balance (a viscous regularisation;
 backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 0 with k = c / dt.
@@ -46,7 +46,7 @@ class FlowRule:
 
 @dataclass(frozen=True, eq=False)
 class FlowOutcome:
-    """Where a flow ended.
+    """The end of a flow.
 
     Parameters
     ----------

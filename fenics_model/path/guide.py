@@ -1,8 +1,9 @@
 """Load steps that another result's shapes predict, straight from one shape to the next.
 
-The guide's shape at the next parameter, made a state of the solid, is off by about what it was off
-by before: that defect is extrapolated and added. Newton's method does the rest. A step that ends
-elsewhere than where it was predicted has found another branch, and does not count.
+A shape of the guide, made a state of the solid, differs from the solid's equilibrium by a defect.
+The defect at the next parameter is extrapolated from the last two and added to the guide's state.
+This is the initial guess of Newton's method. If the solution is far from the guess, it is on
+another branch, and the step is rejected.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""A first guess of the solid's state from the shape of another result on the same planar mesh.
+"""An initial guess of the solid's state from the shape of another result on the same planar mesh.
 
 The reference surface is extruded along its normals, each fibre shortened by what the surface has
 stretched (the layers keep their volume), and the pressures are those of a plane stress state.

@@ -21,7 +21,7 @@ from fenics_model.solid.unknown import freeze
 
 
 class StrainEnergy(Protocol):
-    """What the solid asks of a material."""
+    """The strain energy of a material, as the solid uses it."""
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh, J/m3, as a UFL expression.

@@ -1,8 +1,8 @@
-"""The tangent with extrapolated stress, which spares Newton's method its detours.
+"""The tangent with extrapolated stress, with which Newton's method takes fewer iterations.
 
-A thin body that turns by much in one iteration is left with strains that the linearised motion did
-not foresee; their stress, in the geometric stiffness of the next iteration, misleads it. The mixed
-integration point method takes that stress from where it was linearised,
+If a thin body turns by a large angle in one iteration, the linearised motion leaves spurious
+strains. Their stress enters the geometric stiffness and misleads the next iteration. The mixed
+integration point method takes that stress from the point of linearisation,
 
     S* = S(x_last) + dS/dx (x - x_last),
 

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class NewtonOutcome:
-    """How a solution ended.
+    """The end of a solution.
 
     Parameters
     ----------

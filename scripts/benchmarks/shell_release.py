@@ -43,7 +43,7 @@ FEW_TRIANGLES = 100
 
 @dataclass(frozen=True)
 class Release:
-    """What is released: the paper's specimen with some cutouts, mesh and prestretch; from where.
+    """A benchmark case: the paper's specimen with some cutouts, mesh, prestretch and start.
 
     A fine mesh starts from flat where `coarse_triangles` is 0, see `dshell.ReleaseSettings`.
     """
@@ -102,6 +102,6 @@ def _start_up() -> float:
 
 
 def in_a_process_of_its_own(function: Callable[..., Any], *args: Any) -> Any:
-    """Return what a function returns that a new process calls."""
+    """Return the value of a function, called in a new process."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(function, args)

@@ -1,4 +1,4 @@
-"""What the studies say of the paper's conclusions, each with its numbers.
+"""The findings of the studies on the paper's conclusions, each with its numbers.
 
 A point counts if a real specimen can show it: reached, stable, not passing through itself. What
 the others would show is unknown, so a conclusion that hangs on them is not decided.
@@ -14,13 +14,13 @@ import xarray as xr
 from bilayer.results.caveats import is_unstable, touches_itself
 
 PRESTRETCH = 1.15
-"""Where the values of a field are listed: between bending a little and curling up."""
+"""Prestretch at which the values of a field are listed: between slight bending and curling up."""
 PAPER_BEST = 0.1
 """Section VI: "currently the best result I can get is 0.1"."""
 PAPER_SHIFT = 0.08
 """Section VII: the shell's quality "is about 0.08 behind that of the FEA results"."""
 ABOUT = 0.5
-"""How much of a number the paper's "about" may mean, here."""
+"""Relative tolerance with which the paper's "about" is read."""
 STRIPS = "cut.strips"
 SOLID = "solid"
 """The model of the finite elements."""
@@ -173,7 +173,7 @@ def _about_the_papers(mean: float) -> str:
 
 @dataclass(frozen=True)
 class Span:
-    """How far the quality moves over a field, as far as that is known.
+    """The range of the quality over a field, as far as it is known.
 
     `least` is over the sound points. `most` is over all, or 1 where one was not reached.
     """

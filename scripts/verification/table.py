@@ -1,6 +1,7 @@
 """The ladder as a table: in the terminal, and as the page docs/verification.md."""
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 
 from verification.rung import MISSED, Check, Rung
@@ -8,6 +9,8 @@ from verification.rung import MISSED, Check, Rung
 Ladder = Sequence[tuple[Rung, Sequence[Check]]]
 HEADINGS = ("quantity", "measured", "reference", "error", "tolerance", "verdict")
 WIDTHS = (46, 11, 11, 9, 9, 8)
+WIDTH = 100
+"""Of the page's paragraphs, columns."""
 
 
 def missed(ladder: Ladder) -> int:
@@ -35,18 +38,28 @@ def page(ladder: Ladder, absent: Mapping[str, str]) -> str:
     """Return the page of the whole ladder, with the rungs that it lacks and why."""
     parts = [
         "# Verification",
-        "Cases with known answers, and what this software makes of them. This page is written by "
-        '`scripts/verify`, which computes every number of the column "measured" anew and fails '
-        "if one misses its tolerance. Errors and tolerances are relative to the reference, or "
-        "absolute where it is 0; a number without a tolerance is reported, not judged.",
+        _paragraph(
+            "Cases with known answers. `scripts/verify` writes this page. It computes every number "
+            'of the column "measured" anew, and fails if one misses its tolerance. Errors and '
+            "tolerances are relative to the reference, or absolute if the reference is 0. A number "
+            "without a tolerance is reported, not judged."
+        ),
         summary(ladder),
     ]
     for rung, checks in ladder:
         rows = [HEADINGS, ("---",) * len(HEADINGS), *map(_cells, checks)]
         table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-        parts += [f"## {rung.number}. {rung.title} ({rung.solver})", rung.source, table]
-    lacking = "\n".join(f"- **{name}**: {why}" for name, why in absent.items())
-    return "\n\n".join([*parts, "## Not here yet", lacking]) + "\n"
+        heading = f"## {rung.number}. {rung.title} ({rung.solver})"
+        parts += [heading, _paragraph(rung.source), table]
+    lacking = "\n".join(_paragraph(f"- **{name}**: {why}", "  ") for name, why in absent.items())
+    return "\n\n".join([*parts, "## Missing", lacking]) + "\n"
+
+
+def _paragraph(text: str, indent: str = "") -> str:
+    """Return a text in lines of the page's width."""
+    return textwrap.fill(
+        text, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _cells(check: Check) -> tuple[str, ...]:
