@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 INTERRUPTED = "interrupted"
-"""Why a run stopped that was told to."""
+"""Stop reason of a run that was told to stop."""
 
 
 class BilayerError(Exception):

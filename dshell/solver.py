@@ -96,7 +96,7 @@ SOLVER = Solver(
     default_start="flat",
     open_path=open_path,
 )
-"""What the registry knows of this package."""
+"""This package, as the registry finds it."""
 
 
 def _shell_path(
@@ -122,7 +122,7 @@ def _shell_path(
 
 
 def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
-    """Return what makes the model of a specimen."""
+    """Return a function that makes the model of a specimen."""
     if isinstance(settings, MorleySettings):
         return lambda specimen: MorleyModel(specimen, mesh, settings)
     return partial(HingeModel, mesh=mesh)

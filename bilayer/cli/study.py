@@ -97,7 +97,7 @@ def _notice(line: str) -> None:
 
 
 def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory: float) -> str:
-    """Return what a start would do, in one line, and a line for each case that lacks memory."""
+    """Return the number of cases by status, in one line, and a line for each without memory."""
     folder = StudyFolder(options.output)
     index = read_index(folder) if folder.plan_file.exists() else None
     waiting = cases_to_compute(plan, folder, options.retry_failed)

@@ -1,9 +1,9 @@
-"""How near a released body comes to itself, from the skin of its layers.
+"""The self-contact gap of a released body, from the skin of its layers.
 
-The skin is the closed surface of the body: the sides of the layers where no other layer lies on
-them, walls at the rim and along the cuts. Two places of it can touch only where the sheet is bent
-back onto itself, which is told on the reference surface, so that a tight curl whose inner side is
-short is not mistaken for contact. docs/measures.md has the definition.
+The skin is the closed surface of the body. It consists of the sides of the layers on which no other
+layer lies, and of walls at the rim and along the cuts. Two places of the skin can touch only if the
+sheet is bent back onto itself. This is measured on the reference surface, so that a tight curl
+whose inner side is short does not count as contact. docs/measures.md has the definition.
 """
 
 from collections.abc import Sequence

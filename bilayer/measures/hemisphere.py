@@ -1,6 +1,6 @@
-"""How far a shape is from the hemisphere that it would make if its meridians kept their length.
+"""Distance of a shape from the hemisphere of equal meridian.
 
-A disc of radius R has meridians of length R; so has the hemisphere of radius a = 2 R / pi. Any
+A disc of radius R has meridians of length R. So does the hemisphere of radius a = 2 R / pi. Any
 other sheet is compared with the hemisphere of the disc of its area. The distance between a surface
 S and that hemisphere H is the area-weighted symmetric root mean square
 

@@ -23,7 +23,7 @@ Stretch = tuple[float, float]
 
 @dataclass(frozen=True)
 class Provenance:
-    """What makes a result, found out before it is made.
+    """The program and settings that make a result, recorded before it is made.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Provenance:
     def found(
         cls, solver: str, model: str, settings: Any, versions: Mapping[str, str]
     ) -> "Provenance":
-        """Return what makes results here and now.
+        """Return the provenance of results that are made now.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What speaks against a shape: it is not stable, passes through itself, or is of a thick shell."""
+"""Caveats of a shape: it is not stable, passes through itself, or is of a thick shell."""
 
 import numpy as np
 import xarray as xr

@@ -187,7 +187,7 @@ def _common_milestones(
 
 
 def _visits(pairs: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return how often each milestone's prestretch stands before it in the list, shape (n,)."""
+    """Return the number of earlier visits to each milestone's prestretch, shape (n,)."""
     same = np.abs(pairs[:, None] - pairs[None]).max(axis=2) < SAME_STRETCH
     return np.tril(same, k=-1).sum(axis=1)
 

@@ -114,7 +114,7 @@ def way_length(begin: Stretch, end: Stretch) -> float:
 
 
 def share_of_way(begin: Stretch, end: Stretch, pair: Array) -> float | None:
-    """Return where on a way a pair of stretches lies, in (0, 1], or None."""
+    """Return the share of a way at which a pair of stretches lies, in (0, 1], or None."""
     length = way_length(begin, end)
     if length < SAME_STRETCH:
         return 1.0 if np.abs(pair - end).max() < SAME_STRETCH else None

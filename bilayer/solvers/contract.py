@@ -133,7 +133,7 @@ class Linearised(Protocol):
         """
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the position changes, (n, 3), m, with the state, (dofs,)."""
+        """Return the change of the position, (n, 3), m, with the state, (dofs,)."""
 
 
 class Equilibrium(PathPoint, Protocol):
@@ -163,7 +163,7 @@ class Equilibrium(PathPoint, Protocol):
         """Return the measures of the shape."""
 
     def details(self) -> Any:
-        """Return what `SpecimenPath.variables` needs of this milestone; it must outlive it."""
+        """Return the data of this milestone for `SpecimenPath.variables`; they must outlive it."""
 
     def save(self) -> Saved:
         """Return all that the path needs to go on from here, for `SpecimenPath.restore`."""
@@ -201,7 +201,7 @@ class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
 
     @property
     def start(self) -> str:
-        """How the path began, in a line, as far as it is known by now."""
+        """The start of the path, in one line, as far as it is known by now."""
 
     @property
     def versions(self) -> Mapping[str, str]:
@@ -229,7 +229,7 @@ class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
 
 
 class OpenPath(Protocol):
-    """How a solver makes a path."""
+    """A function with which a solver makes a path."""
 
     def __call__(
         self,

@@ -1,8 +1,8 @@
-"""What a run keeps of each milestone, from the moment at which it is reached.
+"""The record of a run: each milestone is kept from the moment at which it is reached.
 
-`Recorder` is an observer of the driver. At a milestone it collects what a result has of it,
-measures the shape, and writes the file so far, before the path goes on. Ctrl-C and SIGTERM wait
-until that is done.
+`Recorder` is an observer of the driver. At a milestone it collects the data of a result, measures
+the shape, and writes the file so far, before the path goes on. Ctrl-C and SIGTERM wait until that
+is done.
 """
 
 from collections.abc import Hashable, Iterable
@@ -33,14 +33,14 @@ MILESTONES = "prestretch"
 
 @dataclass(frozen=True, eq=False)
 class _Milestone:
-    """What is kept of a milestone that is over.
+    """The record of a milestone that is over.
 
     Parameters
     ----------
     state : MilestoneState
-        What every solver tells.
+        The part that every solver has.
     own : Recorded or None
-        What this solver alone tells; None: it stands in the file of an earlier run.
+        The part of this solver alone; None if it is in the file of an earlier run.
     reason : str
         Why it was not reached, or an empty text.
     """
@@ -123,7 +123,7 @@ class Recorder:
         return with_rows_of(self._earlier.result, result, len(self._earlier.states), own.data_vars)
 
     def _collected(self, step: LoadStep[Any, Equilibrium]) -> _Milestone:
-        """Return what is kept of a milestone; on every rank."""
+        """Return the record of a milestone; on every rank."""
         point = step.point
         state = MilestoneState(
             point.position,
@@ -149,7 +149,7 @@ class Recorder:
             write_result(self.result(), self._output, self._resume_point())
 
     def _measured(self, target: Stretch, state: MilestoneState) -> Measures:
-        """Return the measures of a shape; if they fail, NaN, and a word of it."""
+        """Return the measures of a shape; NaN if they fail, which is noted."""
         if not state.converged:
             return Measures.undefined()
         try:
@@ -160,12 +160,12 @@ class Recorder:
 
     @property
     def _reasons(self) -> tuple[str, ...]:
-        """Why some milestones were not reached."""
+        """Reasons of the milestones that were not reached."""
         earlier = () if self._earlier is None else self._earlier.point.reasons
         return (*earlier, *(done.reason for done in self._milestones if done.reason))
 
     def _resume_point(self) -> ResumePoint | None:
-        """Return where the run can be taken up, None if it is over."""
+        """Return the point from which the run can be resumed, None if it is over."""
         return None if self._is_over else ResumePoint(self.tried, self._reasons, self._saved)
 
 
@@ -201,7 +201,7 @@ def _goes_on(failure: Exception | None) -> bool:
 
 
 def _reason(step: LoadStep[Any, Equilibrium]) -> str:
-    """Return why a milestone was not reached."""
+    """Return the reason why a milestone was not reached, or an empty text."""
     if step.failure is None:
         return ""
     if isinstance(step.failure, TargetMissedError):

@@ -175,7 +175,7 @@ def specimen_given(specimen: Specimen | str | Path) -> Specimen:
 
 
 def _start_of(specimen: Specimen, solver: Solver, start: xr.Dataset | str | None) -> Start:
-    """Return what a solver's path takes for a start."""
+    """Return the start in the form that a path takes."""
     chosen = solver.default_start if start is None else start
     if not isinstance(chosen, str):
         return chosen

@@ -53,7 +53,7 @@ class Unfinished:
 
     @property
     def not_measured(self) -> list[str]:
-        """Which shapes could not be measured, and why."""
+        """The shapes that could not be measured, each with the reason."""
         text = self.result.attrs.get(NOT_MEASURED, "")
         return text.split("; ") if text else []
 

@@ -18,7 +18,7 @@ Tensor = tuple[tuple[float, float], tuple[float, float]]
 
 @dataclass(frozen=True)
 class Response:
-    """What the prestretch does to a layer before it is bonded.
+    """The stretch that the prestretch gives a layer before it is bonded.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ def _place(tables: dict[str, Any], path: Iterable[str]) -> dict[str, Any]:
 
 
 def _children(place: Any) -> dict[str, Any]:
-    """Return what has a name in a table, or in a list of tables with names."""
+    """Return the entry of a name in a table, or in a list of tables with names."""
     if isinstance(place, list):
         return {str(item.get("name")): item for item in place if isinstance(item, dict)}
     return place if isinstance(place, dict) else {}

@@ -1,10 +1,11 @@
-"""Where a body is held: at three nodes, in x, y and z, in y and z, and in z.
+"""The held nodes of a body: one is held in x, y and z, one in y and z, one in z.
 
-That takes the rigid motion away and nothing else. Loads in balance leave nothing to carry, so any
-three nodes do that span an angle. A weight is carried there, and it matters where: a weighted body
-is held at its centre, as if clamped there, by the three nodes nearest to it, so that no part far
-from the centre is lifted, and the tangent plane of the centre stays level as far as the mesh tells.
-A sheet with a hole in its middle is held at the edge of the hole.
+This removes the rigid motion and nothing else. Without weight the loads are in balance, the held
+nodes carry nothing, and any three nodes will do that are not on a line. With weight the held nodes
+carry the body, and their place matters. A body with weight is held at its centre, by the three
+nodes nearest to it, as if clamped there. No part far from the centre is then lifted, and the
+tangent plane of the centre stays level, to the accuracy of the mesh. A sheet with a hole in its
+middle is held at the edge of the hole.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What both forms of a specimen file share: known keys, keys that have to be there."""
+"""Checks that both forms of a specimen file share: known keys, required keys."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any

@@ -35,7 +35,7 @@ LACKS_MEMORY = "lacks memory"
 
 @dataclass(frozen=True)
 class NoResult:
-    """Why a case has no result.
+    """The reason why a case has no result.
 
     Parameters
     ----------
@@ -87,16 +87,16 @@ class StudyFolder:
         return self.path / "cases" / f"{identity}.nc"
 
     def unfinished_file(self, identity: str) -> Path:
-        """Return where the milestones of a case are until it is finished."""
+        """Return the path of the milestones of a case until it is finished."""
         return self.path / "cases" / f"{identity}.unfinished.nc"
 
     def kept_file(self, identity: str) -> Path:
-        """Return where a case is: its result, or its milestones so far if there is no result."""
+        """Return the path of a case: of its result, or else of its milestones so far."""
         result, unfinished = self.result_file(identity), self.unfinished_file(identity)
         return unfinished if unfinished.exists() and not result.exists() else result
 
     def failure_file(self, identity: str) -> Path:
-        """Return where the reason is why a case has no result."""
+        """Return the path of the reason why a case has no result."""
         return self.path / "cases" / f"{identity}.failed"
 
     def make(self) -> None:
@@ -139,7 +139,7 @@ class StudyFolder:
             partial.write_text(text, encoding="utf-8")
 
     def planned(self) -> dict[str, Any]:
-        """Return what `keep_plan` wrote: `fields` and `cases`, whose milestones are pairs.
+        """Return the plan of `keep_plan`: `fields` and `cases`, whose milestones are pairs.
 
         Raises
         ------
@@ -240,7 +240,7 @@ class StudyFolder:
         self.log(status, case, record["reason"])
 
     def failure(self, identity: str) -> NoResult | None:
-        """Return why a case has no result, if that was recorded."""
+        """Return the reason why a case has no result, if it was recorded."""
         try:
             record = json.loads(self.failure_file(identity).read_text(encoding="utf-8"))
         except OSError:

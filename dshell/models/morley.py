@@ -51,7 +51,7 @@ class MorleyModel:
         return [faces.made_of(laminate.part(block)) for block, faces in self._blocks]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
-        """Return how far the reference surface lies above the shell's own in the flat state, m.
+        """Return the height of the reference surface above the shell's own, flat, m.
 
         The shell's own surface is the mid-plane of the carrier, see `Specimen.carrier`; that of
         anything but a bilayer is the reference surface itself.

@@ -88,7 +88,7 @@ class StableBranches:
     def land(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
     ) -> Landing:
-        """Return where the last of some bodies comes to rest; see `Branch`."""
+        """Return the stable equilibrium of the last body; see `Branch`."""
         body = bodies[-1]
         found = _landed(self._solver, body, self._solver.settle(bodies, start, limits))
         for _ in range(ESCAPES):
@@ -151,7 +151,7 @@ class NextEquilibrium:
     def land(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
     ) -> Landing:
-        """Return where the last of some bodies comes to rest; see `Branch`."""
+        """Return the stable equilibrium of the last body; see `Branch`."""
         return Landing(self._solver.settle(bodies, start, limits), None)
 
 

@@ -93,7 +93,7 @@ def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
 
 
 def _share_within_hull(hull: Array, fine: PlanarMesh, centre: Array) -> float:
-    """Return how much a fine mesh has to shrink about a centre to lie in the hull of points.
+    """Return the factor by which a fine mesh shrinks about a centre to lie in a hull.
 
     The rim between two nodes is taken to bulge as a circle around the centre does, so that the
     share does not depend on where exactly its nodes lie.

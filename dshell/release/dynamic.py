@@ -53,7 +53,7 @@ class MovingProblem(ShellProblem[Load], Protocol[Load]):
 
 @dataclass(frozen=True)
 class MotionLimits:
-    """How a motion advances.
+    """Duration, time step and damping of a motion.
 
     Parameters
     ----------

@@ -86,7 +86,7 @@ class LinearisedShell:
         return by_state
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the position changes with the state, (n, 3), m: a central difference."""
+        """Return the change of the position with the state, (n, 3), m: a central difference."""
         length = np.abs(state_change).max()
         if length == 0:
             return np.zeros_like(self._shell.surface(self._state))

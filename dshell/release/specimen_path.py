@@ -32,7 +32,7 @@ VERSIONS = {"scipy": scipy.__version__}
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """How a path begins.
+    """The start of a path.
 
     Parameters
     ----------

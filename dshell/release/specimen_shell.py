@@ -26,7 +26,7 @@ UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
-"""How far an unstable equilibrium is left along its mode, over the substrate's thickness."""
+"""Distance by which an unstable equilibrium is left, over the substrate's thickness."""
 
 
 class ShellModel(Protocol):
@@ -86,7 +86,7 @@ class SpecimenShell:
 
     @property
     def escape(self) -> float:
-        """How far an unstable equilibrium is left along its mode, m."""
+        """Distance by which an unstable equilibrium is left along its mode, m."""
         return ESCAPE * self.specimen.carrier.thickness
 
     def of(self, specimen: Specimen) -> "SpecimenShell":

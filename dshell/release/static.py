@@ -52,7 +52,7 @@ class ShellProblem(Protocol[Load]):
 
 @dataclass(frozen=True)
 class StepLimits:
-    """How far a path goes at a time, and when a state is an equilibrium.
+    """Size of the steps of a path, and tolerance of its equilibria.
 
     Parameters
     ----------

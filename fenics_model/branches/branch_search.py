@@ -30,7 +30,7 @@ LEFT = "left"
 
 @dataclass(frozen=True)
 class SearchRule:
-    """How long a search goes on, and which of the branches that it finds it takes.
+    """Limits of a search, and the branch that it takes.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class Departure:
     taken : str
         Name of the branch that was taken.
     effort : Effort
-        What it took.
+        The work of the search.
     """
 
     equilibrium: NewtonOutcome | None
@@ -108,7 +108,7 @@ class _Found:
 
 @dataclass(frozen=True, eq=False)
 class _Descent:
-    """Where a mode led down to, with its unstable modes; None where there is no equilibrium."""
+    """The equilibrium below a mode, with its unstable modes; None if there is none."""
 
     outcome: NewtonOutcome | None
     unstable_modes: int
@@ -137,7 +137,7 @@ def _take_none(ascending: Sequence[_Found]) -> _Found | None:
 _CHOICES: Mapping[str, Callable[[Sequence[_Found]], _Found | None]] = dict(
     zip(BRANCHES, (_take_lowest, _take_other, _take_none), strict=True)
 )
-"""Which branch is taken from an unstable milestone."""
+"""The rules that choose a branch, by the values of the setting."""
 
 
 class BranchSearch:
@@ -154,7 +154,7 @@ class BranchSearch:
     side : array of float
         A change of the state; the side "plus" of a mode is the one that has part in it.
     rule : SearchRule, optional
-        How long it goes on and what it takes.
+        Its limits, and the branch that it takes.
     """
 
     def __init__(

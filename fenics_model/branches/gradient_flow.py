@@ -19,7 +19,7 @@ from fenics_model.solve.newton import Newton, NewtonOutcome
 
 @dataclass(frozen=True)
 class FlowRule:
-    """How the time step of a flow changes, and when the flow ends.
+    """Control of the time step of a flow, and when the flow ends.
 
     Parameters
     ----------

@@ -22,17 +22,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class GuideRule:
-    """How far a guide is trusted.
+    """Limits within which the shapes of a guide are used.
 
     Parameters
     ----------
     far_from_balance : float
-        Residual of a guess, over the reference, above which it is settled with its surface held. A
-        nearer one is settled, too, if Newton's method fails from it.
+        Residual of a guess, over the reference, above which it is relaxed with its surface held. A
+        nearer one is relaxed, too, if Newton's method fails from it.
     settled : float
-        To what part of the reference it is settled.
+        Residual, over the reference, down to which it is relaxed.
     elsewhere : float
-        How far from its prediction a solution may be, over how far the prediction led.
+        Largest distance of a solution from its prediction, over the length of the predicted step.
     longest_way : float
         Change of the prestretch up to which a shape is in reach.
     """
@@ -55,12 +55,12 @@ class Guide:
     settle : callable
         Relaxes a state to a norm of the residual, that surface held; returns the outcome.
     rule : GuideRule, optional
-        How far it is trusted.
+        Limits within which it is used.
 
     Attributes
     ----------
     left : list of (float, str)
-        Path parameters of shapes that were not followed, and why.
+        Path parameters of the shapes that were rejected, each with the reason.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Guide:
         self.left: list[tuple[float, str]] = []
 
     def lead_along(self, shapes: Mapping[float, Array]) -> None:
-        """Lead along shapes from now on, those of before forgotten.
+        """Use these shapes from now on, and forget those before.
 
         Parameters
         ----------
@@ -94,11 +94,11 @@ class Guide:
         is_trusted: bool,
         left: Sequence[tuple[float, str]],
     ) -> None:
-        """Trust as much as at another time, and know the defects of then."""
+        """Restore the defects and rejections of another time."""
         self.defects, self.is_trusted, self.left = list(defects), is_trusted, list(left)
 
     def propose_step(self, here: float, goal: float) -> float | None:
-        """Return where to step, the farthest shape in reach; None if there is none to trust."""
+        """Return the parameter of the farthest shape in reach; None if no shape is to be used."""
         ahead = sorted(there for there in self._shapes if here < there <= goal)
         if not ahead or not self.is_trusted:
             return None
@@ -109,9 +109,9 @@ class Guide:
     def take_step(
         self, there: float, before: State, accepted: float, reference: float
     ) -> tuple[NewtonOutcome, Effort]:
-        """Step from an equilibrium to where a shape is; the loads of there act already.
+        """Step from an equilibrium to a shape, whose loads already act.
 
-        If that fails, nothing is proposed until `learn`.
+        If the step is rejected, no further one is proposed until `learn`.
 
         Parameters
         ----------
@@ -142,17 +142,17 @@ class Guide:
         return outcome, effort
 
     def _is_elsewhere(self, before: State, predicted: State, found: State) -> bool:
-        """Return whether a solution is too far from a prediction to be what it meant."""
+        """Whether a solution is so far from its prediction that it is on another branch."""
         norm = self._newton.solid.displacement_norm
         return norm(found - predicted) > self._rule.elsewhere * norm(before - predicted)
 
     def distrust(self, there: float, reason: str) -> None:
-        """Propose nothing until the equilibrium at one of the shapes is known; note why."""
+        """Propose no step until the equilibrium at one of the shapes is known; note the reason."""
         self.is_trusted = False
         self.left.append((there, reason))
 
     def learn(self, parameter: float, state: State) -> None:
-        """Note how far the shape at a parameter, if there is one, is from an equilibrium."""
+        """Record the defect of the shape at a parameter, if there is one."""
         if parameter in self._shapes:
             defect = state - self._state_at(parameter)
             self.defects = [*self.defects[-1:], (parameter, defect)]

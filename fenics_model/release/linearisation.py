@@ -77,7 +77,7 @@ class SolidLinearisation:
         return gradient
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the reference surface moves with the state, (n, 3), m."""
+        """Return the change of the reference surface with the state, (n, 3), m."""
         return np.asarray(state_change[self._surface])
 
     @property

@@ -1,4 +1,4 @@
-"""Where a path is, as arrays that any number of ranks can go on from."""
+"""The state of a path, as arrays from which any number of ranks can continue."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -61,7 +61,7 @@ class SavedPath:
         shapes: StartShapes | None,
         start: str,
     ) -> "SavedPath":
-        """Return where a path is."""
+        """Return the state of a path."""
         return cls(
             [(float(x), float(y)) for x, y in loads.targets],
             list(continuation.predictor.known),
@@ -105,7 +105,7 @@ class SavedPath:
 
     @classmethod
     def from_arrays(cls, saved: Saved, numbering: Numbering) -> "SavedPath":
-        """Return what `as_arrays` made arrays of, on any number of ranks."""
+        """Return the state from the arrays of `as_arrays`, on any number of ranks."""
 
         def pairs(name: str) -> list[tuple[float, Array]]:
             parameters = saved.get(f"{name}_parameter", np.array([]))

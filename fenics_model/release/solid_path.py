@@ -54,7 +54,7 @@ FIRST_DISTANCE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class MilestoneDetails:
-    """What the solver's own variables tell of a milestone.
+    """The data of a milestone for the solver's own variables.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class SolidEquilibrium:
         return measure(self._body.specimen, self._body.mesh, self.stretch, self.position)
 
     def details(self) -> MilestoneDetails:
-        """Return what `SolidPath.variables` needs of it."""
+        """Return the data for `SolidPath.variables`."""
         departure = self._point.departure
         if departure is not None:
             departure = replace(departure, equilibrium=None)
@@ -250,7 +250,7 @@ class SolidPath:
 
     @property
     def start(self) -> str:
-        """What led the way, and the shapes that load steps had to go on without."""
+        """The source of the initial guesses, and the shapes that were rejected."""
         left = [
             f"not followed to {max(self.loads.stretch(parameter)):.6g} ({reason}): load steps"
             for parameter, reason in self._guide.left
@@ -307,7 +307,7 @@ class SolidPath:
         return Numbering(self.body.solid)
 
     def save(self) -> Saved:
-        """Return where the path is, the same on every rank."""
+        """Return the state of the path, the same on every rank."""
         return SavedPath.of(
             self._continuation, self._guide, self.loads, self._shapes, self._start
         ).as_arrays(self.numbering)

@@ -184,7 +184,7 @@ def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> V
 
 
 def _layers_below(specimen: Specimen, layers: Sequence[Layer]) -> float:
-    """Return how many of some layers, and what part of one, lie below the reference surface."""
+    """Return the number of layers, and the part of one, below the reference surface."""
     surface, names = specimen.reference_surface, specimen.layer_names
     number = names.index(surface.layer)
     below = sum(names.index(layer.name) < number for layer in layers)

@@ -41,7 +41,7 @@ def stiffness_of_a_dome(triangles: int) -> csc_matrix:
 
 
 def costs(triangles: int) -> Iterator[dict[str, Any]]:
-    """Yield what each solver takes on one mesh, in seconds of CPU."""
+    """Yield the CPU time of each solver on one mesh, s."""
     matrix = stiffness_of_a_dome(triangles)
     solvers: list[LinearSolver] = [CholmodSolver(), *map(MumpsSolver, MUMPS_ORDERINGS)]
     for solver in [*solvers, SuperLUSolver()]:

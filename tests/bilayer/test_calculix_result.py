@@ -157,7 +157,7 @@ def test_a_file_of_another_kind_is_named(run):
 
 @pytest.fixture
 def words(run):
-    """What follows `bilayer`, to import the kept run."""
+    """The arguments of `bilayer` that import the kept run."""
     specimen, mesh, output = (run.with_name(name) for name in ("s.toml", "mesh.vtu", "ccx.nc"))
     specimen.write_text(specimen_to_toml(hexagon_specimen()))
     write_planar_mesh(hexagon_mesh(), mesh)

@@ -1,4 +1,4 @@
-"""Where the laws lose their stability, against closed forms."""
+"""The stretches at which laws lose their stability, against closed forms."""
 
 import math
 

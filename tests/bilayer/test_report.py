@@ -1,4 +1,4 @@
-"""What the text of a result says of its specimen, and how far it can be trusted."""
+"""The text of a result: its specimen, and how far it can be trusted."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Where a body is held."""
+"""The choice of the held nodes."""
 
 import numpy as np
 import pytest

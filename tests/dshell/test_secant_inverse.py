@@ -1,4 +1,4 @@
-"""What a factor learns from steps: the secant equation, and the exact inverse of a quadratic."""
+"""The update of a factor from steps: the secant equation, and the exact inverse of a quadratic."""
 
 import numpy as np
 import pytest

@@ -33,7 +33,7 @@ def test_small_mismatch_gives_laminate_theorys_curvature_in_every_face(mesh):
 @pytest.mark.slow
 @pytest.mark.parametrize("rung", TESTED_RUNGS, ids=lambda rung: f"{rung.number} {rung.title}")
 def test_rung(rung):
-    """What `scripts/verify` computes."""
+    """The rungs that `scripts/verify` computes."""
     checks = rung.climb()
     assert any(check.tolerance is not None for check in checks)
     assert [check for check in checks if check.verdict == MISSED] == []

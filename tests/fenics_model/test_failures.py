@@ -1,4 +1,4 @@
-"""What goes wrong is said in words, and leaves nothing behind."""
+"""Failures are reported in words, and leave nothing behind."""
 
 import os
 import signal

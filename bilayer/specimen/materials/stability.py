@@ -68,7 +68,7 @@ def stability_limits(law: Law) -> StabilityLimits:
 
 
 def loss_of_stability(law: Law, stretch: Stretches) -> str:
-    """Return which criterion a sheet held at two stretches in the plane fails, "" if none."""
+    """Return the criterion that a sheet held at two stretches in the plane fails, "" if none."""
     if not isinstance(law, Hyperelastic):
         return ""
     x, y = np.array(stretch)[:, None]
