@@ -51,6 +51,10 @@ ENERGY_NOISE = 1e-6
 """Relative. Smaller changes may be round-off (strains of 1e-5 leave the energy six digits), so
 there the residual force is the judge."""
 
+CORRECTION_NOISE = 1e-12
+"""Relative. Near an equilibrium a correction changes the energy by less, so that round-off would
+decide whether it is kept; there the residual force is the judge."""
+
 
 class NoDescentError(ComputationError):
     """No step along Newton's direction lowers the energy."""
@@ -315,7 +319,9 @@ class EquilibriumSolver:
         """Return the body after the largest share of a correction that lowers the energy."""
         for share in CORRECTION_SHARES:
             there = self.placed(here.body, here.state + share * correction)
-            if there.energy < here.energy:
+            noise = CORRECTION_NOISE * here.energy_scale
+            change = there.energy - here.energy
+            if change < -noise or (change <= noise and there.error < here.error):
                 return there
         return None
 
