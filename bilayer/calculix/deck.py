@@ -35,7 +35,7 @@ from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.materials import Law, LinearElastic, MooneyRivlin, NeoHookean
 from bilayer.specimen.settings import documented
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
-from bilayer.specimen.support import HeldNodes, support
+from bilayer.specimen.support import HeldNodes, choose_held_nodes
 from bilayer.specimen.toml import specimen_to_toml
 from bilayer.specimen.two_layers import LAYERS, TwoLayers
 from bilayer.validation import finite, keep, one_of, positive
@@ -330,7 +330,7 @@ def _step(
     control: int,
     settings: DeckSettings,
 ) -> Iterator[str]:
-    a, b, c = held_nodes(mesh, specimen.gravity)
+    a, b, c = choose_nodes_under_kirigami(mesh, specimen.gravity)
     held = parts[-1].nodes(INTERFACE)
     yield "*AMPLITUDE, NAME=VANISHING"
     yield "0., 1., 1., 0."
@@ -366,11 +366,11 @@ def _saddle_load(
         yield f"{node}, 3, {force:.6e}"
 
 
-def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
-    """Return the nodes that are held, see `bilayer.specimen.support`, of those that carry kirigami.
+def choose_nodes_under_kirigami(mesh: PlanarMesh, gravity: float) -> HeldNodes:
+    """Return the held nodes, see `bilayer.specimen.support`, of those that carry kirigami.
 
     The substrate's nodes that do are eliminated.
     """
     carrying = np.unique(mesh.triangles[mesh.faces_of(KIRIGAMI_LAYER)])
-    a, b, c = carrying[list(support(mesh.points[carrying], gravity, mesh.centroid))]
+    a, b, c = carrying[list(choose_held_nodes(mesh.points[carrying], gravity, mesh.centroid))]
     return int(a), int(b), int(c)

@@ -24,7 +24,7 @@ LEAST_SINE = 0.3
 ORIGIN: Place = (0.0, 0.0)
 
 
-def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
+def choose_held_nodes(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
     """Return the held nodes of a body, with or without weight; see the module.
 
     Parameters
@@ -36,22 +36,23 @@ def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
     centre : (float, float)
         Centroid of the sheet, m.
     """
-    return clamped_at_centre(points, centre) if gravity else held_upright(points, centre)
+    choose = choose_nodes_at_centre if gravity else choose_nodes_inside
+    return choose(points, centre)
 
 
-def held_upright(points: Array, centre: Place = ORIGIN) -> HeldNodes:
+def choose_nodes_inside(points: Array, centre: Place = ORIGIN) -> HeldNodes:
     """Choose the node nearest to the centre and those a third of the radius away along x and y.
 
     Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
     """
     arms = _arms(points, centre)
-    return _held_at(arms, np.linalg.norm(arms, axis=1).max() / 3)
+    return _choose_nodes_along_axes(arms, np.linalg.norm(arms, axis=1).max() / 3)
 
 
-def clamped_at_centre(points: Array, centre: Place = ORIGIN) -> HeldNodes:
+def choose_nodes_at_centre(points: Array, centre: Place = ORIGIN) -> HeldNodes:
     """Choose the node nearest to the centre and its neighbours along x and y."""
     arms = _arms(points, centre)
-    return _held_at(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
+    return _choose_nodes_along_axes(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
 
 
 def _arms(points: Array, centre: Place) -> Array:
@@ -59,11 +60,11 @@ def _arms(points: Array, centre: Place) -> Array:
     return points - points[np.argmin(np.linalg.norm(points - centre, axis=1))]
 
 
-def _held_at(arms: Array, reach: float) -> HeldNodes:
-    """Return the node of no arm and those whose arms are about `reach` long along x and y."""
+def _choose_nodes_along_axes(arms: Array, distance: float) -> HeldNodes:
+    """Return the node of no arm and those whose arms are about `distance` long along x and y."""
     first = int(np.argmin(np.linalg.norm(arms, axis=1)))
-    along = _nearest(arms, (reach, 0.0), (0.0, 1.0))
-    across = _nearest(arms, (0.0, reach), arms[along])
+    along = _nearest(arms, (distance, 0.0), (0.0, 1.0))
+    across = _nearest(arms, (0.0, distance), arms[along])
     return first, along, across
 
 

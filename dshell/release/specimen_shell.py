@@ -16,7 +16,7 @@ from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
 from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
-from dshell.release.rigid_motion import held_coordinates, support
+from dshell.release.rigid_motion import choose_held_nodes, held_coordinates
 from dshell.solve.newton import Body
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ class SpecimenShell:
     ) -> None:
         self.specimen, self.mesh = specimen, mesh
         self._make_model, self._tolerance = make_model, tolerance
-        self._held_nodes = support(specimen, mesh)
+        self._held_nodes = choose_held_nodes(specimen, mesh)
         self.held = held_coordinates(self._held_nodes)
 
     @cached_property

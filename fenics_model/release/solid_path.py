@@ -19,7 +19,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Linearised, Recorded, Saved
 from bilayer.specimen.specimen import Specimen
-from bilayer.specimen.support import support
+from bilayer.specimen.support import choose_held_nodes
 from fenics_model.branches.branch_search import BranchSearch, Departure, SearchRule
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
@@ -178,7 +178,7 @@ class SolidPath:
         self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
-        self._nodes = support(mesh.points, specimen.gravity, mesh.centroid)
+        self._nodes = choose_held_nodes(mesh.points, specimen.gravity, mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
             self._guide = self._make_guide()

@@ -12,7 +12,7 @@ from bilayer import generate_mesh
 from dshell import MorleySettings
 from dshell.energies.assembly import Assembly, deform
 from dshell.models.morley import MorleyModel
-from dshell.release.rigid_motion import held_coordinates, held_nodes
+from dshell.release.rigid_motion import choose_far_nodes, held_coordinates
 from dshell.solve.linear_solver import (
     MUMPS_ORDERINGS,
     CholmodSolver,
@@ -34,7 +34,7 @@ def stiffness_of_a_dome(triangles: int) -> csc_matrix:
     x, y = mesh.points.T
     dome = np.column_stack([x, y, -8.0 * (x**2 + y**2)])  # a sphere of about 60 mm
     state = np.concatenate([dome.reshape(-1), np.zeros(model.extra_dofs)])
-    assembly = Assembly(len(state), energies, held_coordinates(held_nodes(mesh)))
+    assembly = Assembly(len(state), energies, held_coordinates(choose_far_nodes(mesh)))
     matrix = assembly.convex_hessian(deform(energies, state))
     matrix.setdiag(matrix.diagonal() + CONVEX_SHIFT * matrix.diagonal().mean())
     return matrix

@@ -10,7 +10,7 @@ from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh.generation import generate_mesh
 from bilayer.results.schema import result_mesh
-from bilayer.specimen.support import held_upright
+from bilayer.specimen.support import choose_nodes_inside
 from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.branches.buckling_modes import least_stiffness
@@ -85,7 +85,7 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     mesh = generate_mesh(specimen)
     body = make_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
     solid, loads = body.solid, ReleasePath(specimen.prestretch.milestones)
-    held = held_points(held_upright(mesh.points), solid.mesh.volume)
+    held = held_points(choose_nodes_inside(mesh.points), solid.mesh.volume)
     found = []
     with newton_of(solid, solid.held_points(held)) as newton:
         path = load_path(newton, lambda parameter: body.load(loads.place(parameter)), 0.001)

@@ -8,7 +8,7 @@ import pytest
 from hexagon import hexagon_mesh, hexagon_specimen
 
 from bilayer import InputError, open_result, specimen_to_toml, write_planar_mesh
-from bilayer.calculix.deck import held_nodes
+from bilayer.calculix.deck import choose_nodes_under_kirigami
 from bilayer.calculix.files import read_convergence, read_frd
 from bilayer.calculix.result import import_calculix
 from bilayer.cli.main import main
@@ -55,7 +55,7 @@ def test_the_milestone_is_recognised_by_where_the_nodes_are_drawn(result):
 
 def test_held_nodes_are_where_they_were_bonded(result):
     mesh = hexagon_mesh()
-    a, b, c = held_nodes(mesh, 0.0)
+    a, b, c = choose_nodes_under_kirigami(mesh, 0.0)
     moved = result["position"].values[0] - np.column_stack([mesh.points, 0 * mesh.points[:, 0]])
     assert moved[a] == pytest.approx(0, abs=1e-8)  # 5e-6 of the way of 1.6 mm of the layer's node
     assert moved[b, 1:] == pytest.approx(0, abs=1e-8)
