@@ -5,11 +5,11 @@ forces are in balance. At an equilibrium without a load the reactions vanish, an
 """
 
 import numpy as np
-from bilayer.specimen.support import HeldNodes, choose_nodes_at_centre
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.support import HeldNodes, choose_nodes_at_centre
 from dshell.energies.assembly import coordinates_of
 
 Array = NDArray[np.float64]
