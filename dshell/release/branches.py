@@ -54,7 +54,7 @@ class Branch(Protocol):
         Parameters
         ----------
         bodies : sequence of Body
-            On their way to the last of them, see `EquilibriumSolver.settle`.
+            On their way to the last of them, see `EquilibriumSolver.find_minimum`.
         start : array of float
             The first state, m.
         modes : int or None
@@ -90,7 +90,7 @@ class StableBranches:
     ) -> Landing:
         """Return the stable equilibrium of the last body; see `Branch`."""
         body = bodies[-1]
-        found = _landed(self._solver, body, self._solver.settle(bodies, start, limits))
+        found = _landed(self._solver, body, self._solver.find_minimum(bodies, start, limits))
         for _ in range(ESCAPES):
             if not found.unstable_modes:
                 break
@@ -100,7 +100,8 @@ class StableBranches:
     def _left(self, body: Body, unstable: Outcome, limits: NewtonLimits) -> Landing:
         away = self._distance * self._solver.unstable_direction(body, unstable.state)
         sides = [
-            self._solver.settle([body], unstable.state + side * away, limits) for side in SIDES
+            self._solver.find_minimum([body], unstable.state + side * away, limits)
+            for side in SIDES
         ]
         arrived = [side for side in sides if side.converged] or sides[:1]
         energies = [self._solver.placed(body, side.state).energy for side in arrived]
@@ -127,13 +128,13 @@ class AnyBranch:
         """Return the equilibrium of the last body next to the start; see `Branch`."""
         body = bodies[-1]
         if modes is None:
-            return _landed(self._solver, body, self._solver.settle(bodies, start, limits))
+            return _landed(self._solver, body, self._solver.find_minimum(bodies, start, limits))
         near = replace(
             limits,
             iterations=min(limits.iterations, FOLLOWING_ITERATIONS),
             longest_step=FOLLOWING_STEP * limits.longest_step,
         )
-        return _landed(self._solver, body, self._solver.balance(body, start, near))
+        return _landed(self._solver, body, self._solver.find_nearby_equilibrium(body, start, near))
 
 
 class NextEquilibrium:
@@ -152,7 +153,7 @@ class NextEquilibrium:
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
     ) -> Landing:
         """Return the stable equilibrium of the last body; see `Branch`."""
-        return Landing(self._solver.settle(bodies, start, limits), None)
+        return Landing(self._solver.find_minimum(bodies, start, limits), None)
 
 
 def _landed(solver: EquilibriumSolver, body: Body, outcome: Outcome) -> Landing:

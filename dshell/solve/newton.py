@@ -206,7 +206,7 @@ class EquilibriumSolver:
         """Return a body in a state."""
         return Configuration(body, state, self.assembly)
 
-    def settle(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
+    def find_minimum(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
         """Go downhill from a state to an equilibrium, or as far as the limits let.
 
         Parameters
@@ -232,7 +232,7 @@ class EquilibriumSolver:
                 break
         return Outcome(here.state, converged, here.error, iteration)
 
-    def balance(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
+    def find_nearby_equilibrium(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
         """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
 
         Parameters

@@ -247,7 +247,7 @@ class BranchSearch:
                 if modes <= 0:
                     return _Descent(landed, modes, effort)
                 mode = self._find_most_unstable(factors, modes)
-        flowed = self.flow.relax(state, tolerance, reference)
+        flowed = self.flow.flow_to_equilibrium(state, tolerance, reference)
         effort += flowed.effort
         if flowed.equilibrium is None:
             return _Descent(None, -1, effort)

@@ -91,7 +91,7 @@ class GradientFlow:
         self._newton, self._first = newton, first_viscosity
         self._rule = FlowRule() if rule is None else rule
 
-    def relax(self, start: State, tolerance: float, reference: float) -> FlowOutcome:
+    def flow_to_equilibrium(self, start: State, tolerance: float, reference: float) -> FlowOutcome:
         """Flow until the solution without viscosity is found, and stable.
 
         Parameters

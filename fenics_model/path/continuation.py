@@ -206,7 +206,7 @@ class Continuation:
         self.control = self.control.after_failure(abs(there - self.parameter))
         if self.control.failures % self._failures_before_flow and not self.control.is_exhausted:
             return outcome
-        flowed = self._search.flow.relax(self.predictor.last, accepted, reference)
+        flowed = self._search.flow.flow_to_equilibrium(self.predictor.last, accepted, reference)
         self._effort += flowed.effort
         if flowed.equilibrium is None:
             return outcome

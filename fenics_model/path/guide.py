@@ -29,7 +29,7 @@ class GuideRule:
     far_from_balance : float
         Residual of a guess, over the reference, above which it is relaxed with its surface held. A
         nearer one is relaxed, too, if Newton's method fails from it.
-    settled : float
+    relaxed_residual : float
         Residual, over the reference, down to which it is relaxed.
     elsewhere : float
         Largest distance of a solution from its prediction, over the length of the predicted step.
@@ -38,7 +38,7 @@ class GuideRule:
     """
 
     far_from_balance: float = 0.5
-    settled: float = 0.1
+    relaxed_residual: float = 0.1
     elsewhere: float = 0.5
     longest_way: float = LONGEST_WAY
 
@@ -52,7 +52,7 @@ class Guide:
         Solves for the equilibria.
     extrude : callable
         Makes a state of a shape of the reference surface, with the natural states of the moment.
-    settle : callable
+    relax_guess : callable
         Relaxes a state to a norm of the residual, that surface held; returns the outcome.
     rule : GuideRule, optional
         Limits within which it is used.
@@ -67,10 +67,10 @@ class Guide:
         self,
         newton: Newton,
         extrude: Callable[[Array], State],
-        settle: Callable[[State, float], NewtonOutcome],
+        relax_guess: Callable[[State, float], NewtonOutcome],
         rule: GuideRule | None = None,
     ) -> None:
-        self._newton, self._extrude, self._settle = newton, extrude, settle
+        self._newton, self._extrude, self._relax_guess = newton, extrude, relax_guess
         self._rule = GuideRule() if rule is None else rule
         self._shapes: dict[float, Array] = {}
         self._states: dict[float, State] = {}
@@ -131,10 +131,10 @@ class Guide:
             outcome = self._newton.solve(guess, accepted)
             effort += Effort(outcome.iterations)
         if outcome is None or not outcome.converged:
-            settled = self._settle(guess, self._rule.settled * reference)
-            guess = settled.state
+            relaxed = self._relax_guess(guess, self._rule.relaxed_residual * reference)
+            guess = relaxed.state
             outcome = self._newton.solve(guess, accepted)
-            effort += Effort(settled.iterations + outcome.iterations)
+            effort += Effort(relaxed.iterations + outcome.iterations)
         if outcome.converged and self._is_elsewhere(before, guess, outcome.state):
             outcome = replace(outcome, converged=False, reason="another branch")
         if not outcome.converged:

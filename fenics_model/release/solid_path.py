@@ -25,7 +25,7 @@ from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
 from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath, Stretch
-from fenics_model.path.shell_start import Extrusion, settle
+from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.branch_fields import branch_dataset
 from fenics_model.release.effort_fields import effort_dataset
@@ -199,7 +199,7 @@ class SolidPath:
     def _make_guide(self) -> Guide:
         solid = self.body.solid
         relax = partial(
-            settle,
+            relax_guess,
             solid,
             solid.absent_pressures(),
             options=self.body.settings.petsc_options,
