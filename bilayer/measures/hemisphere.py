@@ -43,8 +43,8 @@ def hemisphere_distance(surface: Surface, frame: BodyFrame, flat_radius: float) 
     """
     radius = 2 * flat_radius / math.pi
     scaled = np.divide(frame.coordinates(surface.points), radius)
-    placed = Surface(scaled, surface.triangles)
-    return _distance_at_best(placed) * radius / flat_disc_distance(flat_radius)
+    aligned_surface = Surface(scaled, surface.triangles)
+    return _distance_at_best(aligned_surface) * radius / flat_disc_distance(flat_radius)
 
 
 def flat_disc_distance(flat_radius: float) -> float:

@@ -104,7 +104,7 @@ class StableBranches:
             for side in SIDES
         ]
         arrived = [side for side in sides if side.converged] or sides[:1]
-        energies = [self._solver.placed(body, side.state).energy for side in arrived]
+        energies = [self._solver.configure(body, side.state).energy for side in arrived]
         taken = arrived[self._choose(energies)]
         iterations = unstable.iterations + sum(side.iterations for side in sides)
         return _landed(self._solver, body, replace(taken, iterations=iterations))

@@ -117,7 +117,7 @@ class DynamicPath(StaticPath[Load]):
             for motion in adaptive_euler(self._body_moving(start.load, target), still, stepping):
                 self._effort += ShellEffort(motion.iterations, 1)
                 load = self._load_at(start.load, target, motion.time)
-                moved = self._solver.placed(self._problem.body(load), motion.position)
+                moved = self._solver.configure(self._problem.body(load), motion.position)
                 self._here = ShellState(load, motion.position, moved.error / scale)
                 if motion.time < end:
                     yield self._arrived(self._here, motion.time / end)

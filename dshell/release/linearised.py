@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.geometry.alignment import aligned_gradient
+from bilayer.geometry.alignment import align_gradient
 from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import central_difference
 from bilayer.specimen.specimen import Specimen
@@ -72,7 +72,7 @@ class LinearisedShell:
         if shell.specimen.gravity == 0:
             flat = flat_surface(mesh)
             shape = shell.interface(stretch, self._state)
-            gradient = aligned_gradient(shape, flat.points, flat.node_areas, gradient)
+            gradient = align_gradient(shape, flat.points, flat.node_areas, gradient)
         by_surface = bonded_interface_gradient(
             shell.surface(self._state),
             mesh.triangles,

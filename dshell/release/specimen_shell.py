@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.geometry.alignment import aligned, placed
+from bilayer.geometry.alignment import align, move_onto_held_points
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
@@ -139,13 +139,13 @@ class SpecimenShell:
         if self.specimen.gravity > 0:
             return shape
         flat = flat_surface(self.mesh)
-        return aligned(shape, flat.points, flat.node_areas)
+        return align(shape, flat.points, flat.node_areas)
 
     def state_near(self, bond: Array, stretch: Stretch) -> Array:
         """Return the state whose bonded interface is near a given one, in any position."""
         mesh, depth = self.mesh, -self.model.bond_height(stretch)
         surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
-        return self._state_of(placed(surface, mesh.points, self._held_nodes))
+        return self._state_of(move_onto_held_points(surface, mesh.points, self._held_nodes))
 
     def _state_of(self, nodes: Array) -> Array:
         """Return the state of nodes at (n, 3), m, with every other degree of freedom 0."""

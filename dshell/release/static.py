@@ -217,7 +217,7 @@ class StaticPath(Generic[Load]):
     def _force_scale(self, body: Body, load: Load) -> float:
         """Return the force that the tolerance is relative to, N: that on the flat state."""
         weightless = Body(body.energies, 0 * body.load)
-        flat = self._solver.placed(weightless, self._problem.flat(load))
+        flat = self._solver.configure(weightless, self._problem.flat(load))
         return max(flat.error + float(np.linalg.norm(body.load)), self._problem.least_force)
 
 

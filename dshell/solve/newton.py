@@ -202,7 +202,7 @@ class EquilibriumSolver:
         self.assembly = assembly
         self._linear = linear_solver
 
-    def placed(self, body: Body, state: Array) -> Configuration:
+    def configure(self, body: Body, state: Array) -> Configuration:
         """Return a body in a state."""
         return Configuration(body, state, self.assembly)
 
@@ -218,11 +218,11 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
-        here = self.placed(bodies[0], start)
+        here = self.configure(bodies[0], start)
         for iteration in range(limits.iterations + 1):
             body = bodies[min(iteration, len(bodies) - 1)]
             if here.body is not body:
-                here = self.placed(body, here.state)
+                here = self.configure(body, here.state)
             converged = body is bodies[-1] and here.error <= limits.tolerance
             if converged or iteration == limits.iterations:
                 break
@@ -244,7 +244,7 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
-        here = self.placed(body, start)
+        here = self.configure(body, start)
         for iteration in range(limits.iterations + 1):
             converged = here.error <= limits.tolerance
             if converged or not np.isfinite(here.error) or iteration == limits.iterations:
@@ -254,12 +254,12 @@ class EquilibriumSolver:
             except SingularMatrixError:
                 break
             step = _capped(self._step(factor, here.residual), limits.longest_step)
-            here = self.placed(body, here.state + step)
+            here = self.configure(body, here.state + step)
         return Outcome(here.state, converged, here.error, iteration)
 
     def unstable_modes(self, body: Body, state: Array) -> int:
         """Return the number of negative eigenvalues of the exact Hessian."""
-        hessian = self.placed(body, state).hessian()
+        hessian = self.configure(body, state).hessian()
         try:
             self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
@@ -268,7 +268,7 @@ class EquilibriumSolver:
 
     def unstable_direction(self, body: Body, state: Array) -> Array:
         """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
-        hessian = self.placed(body, state).hessian()
+        hessian = self.configure(body, state).hessian()
         _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count=1)
         direction = np.zeros_like(state)
         direction[self.assembly.free] = modes[:, 0]
@@ -302,7 +302,7 @@ class EquilibriumSolver:
         direction would look stiff and the next iteration would undo the step.
         """
         free = self.assembly.free
-        there = self.placed(here.body, here.state + step)
+        there = self.configure(here.body, here.state + step)
         inverse = SecantInverse(factor)
         for _ in range(limits.corrections):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
@@ -318,7 +318,7 @@ class EquilibriumSolver:
     def _lower(self, here: Configuration, correction: Array) -> Configuration | None:
         """Return the body after the largest share of a correction that lowers the energy."""
         for share in CORRECTION_SHARES:
-            there = self.placed(here.body, here.state + share * correction)
+            there = self.configure(here.body, here.state + share * correction)
             noise = CORRECTION_NOISE * here.energy_scale
             change = there.energy - here.energy
             if change < -noise or (change <= noise and there.error < here.error):

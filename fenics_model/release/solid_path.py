@@ -13,7 +13,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from bilayer.geometry.alignment import placed
+from bilayer.geometry.alignment import move_onto_held_points
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
@@ -288,7 +288,9 @@ class SolidPath:
         if not found and len(self.loads.milestones) == 1:
             found = [self._shapes.take_nearest(target)]
         return {
-            goal - shape.remaining: placed(shape.shape, self.mesh.points, self._nodes)
+            goal - shape.remaining: move_onto_held_points(
+                shape.shape, self.mesh.points, self._nodes
+            )
             for shape in found
         }
 

@@ -90,7 +90,7 @@ class Problem:
 
     def least_stiffness(self, state: Array) -> float:
         """Eigenvalue of the Hessian nearest to 0, N/m."""
-        hessian = self._solver().placed(self.body(FULL), state).hessian()
+        hessian = self._solver().configure(self.body(FULL), state).hessian()
         begin = np.random.default_rng(0).normal(size=hessian.shape[0])
         return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
 

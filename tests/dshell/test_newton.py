@@ -29,7 +29,7 @@ def column():
 
 def test_a_compressed_column_has_two_unstable_modes_sideways(column):
     solver, body, straight = column
-    assert solver.placed(body, straight).residual == pytest.approx([0, 0, 0], abs=1e-15)
+    assert solver.configure(body, straight).residual == pytest.approx([0, 0, 0], abs=1e-15)
     assert solver.unstable_modes(body, straight) == 2
     direction = solver.unstable_direction(body, straight)
     assert np.abs(direction).max() == pytest.approx(1)

@@ -17,7 +17,7 @@ from verification.solid_problem import (
 )
 
 from bilayer import LinearElastic, MooneyRivlin
-from bilayer.geometry.alignment import aligned
+from bilayer.geometry.alignment import align
 from bilayer.specimen.layer import Response
 from bilayer.specimen.support import choose_nodes_inside
 from fenics_model.path.release_path import ReleasePath
@@ -48,7 +48,7 @@ def test_free_release(law, stretch, angle, rule):
     in_plane = volume.points[:, :2] @ np.linalg.inv(response.tensor(stretch))
     across = volume.points[:, 2] / natural_state(response.tensor(stretch), rule)[3]
     moved = solid.vertex_positions(released.state)
-    at_rest = aligned(moved, np.column_stack([in_plane, across]), np.ones(len(moved)))
+    at_rest = align(moved, np.column_stack([in_plane, across]), np.ones(len(moved)))
     assert np.abs(at_rest - np.column_stack([in_plane, across])).max() < 1e-8 * SIDE
     prestress = law.young_modulus * (stretch[0] - 1)
     for i, j in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2)]:

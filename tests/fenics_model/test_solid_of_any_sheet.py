@@ -23,7 +23,7 @@ from bilayer import (
     generate_mesh,
     solve,
 )
-from bilayer.geometry.alignment import aligned
+from bilayer.geometry.alignment import align
 from bilayer.specimen.pattern import turned
 from fenics_model import SolidSettings
 
@@ -41,7 +41,7 @@ def released(specimen, mesh=None, settings=None, **options):
 
 def apart(found, expected, length=SIDE):
     """Return the largest distance after alignment, over a length."""
-    at_rest = aligned(found, expected, np.ones(len(expected)))
+    at_rest = align(found, expected, np.ones(len(expected)))
     return np.linalg.norm(at_rest - expected, axis=1).max() / length
 
 
