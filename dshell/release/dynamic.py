@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
-from dshell.release.branches import Branch
+from dshell.release.branches import BranchRule
 from dshell.release.effort import ShellEffort
 from dshell.release.static import (
     Load,
@@ -89,7 +89,7 @@ class DynamicPath(StaticPath[Load]):
         motion: MotionLimits,
         limits: StepLimits,
         solver: EquilibriumSolver,
-        branch: Branch,
+        branch: BranchRule,
     ) -> None:
         super().__init__(problem, limits, solver, branch)
         self._moving, self._motion = problem, motion

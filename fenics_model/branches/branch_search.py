@@ -22,9 +22,9 @@ from fenics_model.solve.effort import Effort
 from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
-SIDES = {"plus": 1.0, "minus": -1.0}
+MODE_SIDES = {"plus": 1.0, "minus": -1.0}
 
-LEFT = "left"
+DEPARTED = "left"
 """Name of the unstable equilibrium that the search begins at."""
 
 
@@ -55,13 +55,13 @@ class SearchRule:
 
 
 @dataclass(frozen=True)
-class Branch:
+class BranchEquilibrium:
     """An equilibrium at a milestone, unstable or found by leaving that one.
 
     Parameters
     ----------
     name : str
-        `LEFT`, or one of `SIDES`.
+        `DEPARTED`, or one of `MODE_SIDES`.
     energy : float
         Potential energy, J; NaN where the search found nothing.
     unstable_modes : int
@@ -74,14 +74,14 @@ class Branch:
 
 
 @dataclass(frozen=True, eq=False)
-class Departure:
+class BranchSearchOutcome:
     """The outcome of a branch search.
 
     Parameters
     ----------
     equilibrium : NewtonOutcome or None
         Of the branch that was taken; None if it stayed.
-    branches : tuple of Branch
+    branches : tuple of BranchEquilibrium
         The one that was left, and what was found to either side.
     taken : str
         Name of the branch that was taken.
@@ -90,7 +90,7 @@ class Departure:
     """
 
     equilibrium: NewtonOutcome | None
-    branches: tuple[Branch, ...]
+    branches: tuple[BranchEquilibrium, ...]
     taken: str
     effort: Effort
 
@@ -101,8 +101,8 @@ class Departure:
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    branch: Branch
+class _Candidate:
+    branch: BranchEquilibrium
     outcome: NewtonOutcome
 
 
@@ -115,26 +115,26 @@ class _Descent:
     effort: Effort
 
 
-def _sort_by_energy(found: Sequence[_Found], same_energy: float) -> list[_Found]:
+def _sort_by_energy(found: Sequence[_Candidate], same_energy: float) -> list[_Candidate]:
     """Sort from the lowest up; those that are as low as each other keep their order."""
     least = min(item.branch.energy for item in found)
     as_low = least + same_energy * abs(least)
     return sorted(found, key=lambda item: max(item.branch.energy, as_low))
 
 
-def _take_lowest(ascending: Sequence[_Found]) -> _Found | None:
+def _take_lowest(ascending: Sequence[_Candidate]) -> _Candidate | None:
     return ascending[0]
 
 
-def _take_other(ascending: Sequence[_Found]) -> _Found | None:
+def _take_other(ascending: Sequence[_Candidate]) -> _Candidate | None:
     return ascending[-1]
 
 
-def _take_none(ascending: Sequence[_Found]) -> _Found | None:
+def _take_none(ascending: Sequence[_Candidate]) -> _Candidate | None:
     return None
 
 
-_CHOICES: Mapping[str, Callable[[Sequence[_Found]], _Found | None]] = dict(
+_CHOICES: Mapping[str, Callable[[Sequence[_Candidate]], _Candidate | None]] = dict(
     zip(BRANCHES, (_take_lowest, _take_other, _take_none), strict=True)
 )
 """The rules that choose a branch, by the values of the setting."""
@@ -173,7 +173,7 @@ class BranchSearch:
 
     def leave_unstable(
         self, state: State, factors: Factors, tolerance: float, reference: float
-    ) -> Departure:
+    ) -> BranchSearchOutcome:
         """Leave an unstable equilibrium, if a branch is found that is to be taken.
 
         Parameters
@@ -189,24 +189,24 @@ class BranchSearch:
         """
         modes = self._count_modes(factors)
         mode = self._find_most_unstable(factors, modes)
-        branches = [Branch(LEFT, self._solid.potential_energy(state), modes)]
+        branches = [BranchEquilibrium(DEPARTED, self._solid.potential_energy(state), modes)]
         found, effort = [], Effort()
-        for name, sign in SIDES.items():
+        for name, sign in MODE_SIDES.items():
             descent = self._descend(state, mode, sign, tolerance, reference)
             effort += descent.effort
-            branch = Branch(name, np.nan, -1)
+            branch = BranchEquilibrium(name, np.nan, -1)
             if descent.outcome is not None:
                 energy = self._solid.potential_energy(descent.outcome.state)
-                branch = Branch(name, energy, descent.unstable_modes)
-                found.append(_Found(branch, descent.outcome))
+                branch = BranchEquilibrium(name, energy, descent.unstable_modes)
+                found.append(_Candidate(branch, descent.outcome))
             branches.append(branch)
         taken = self._choose(found)
         if taken is None:
-            return Departure(None, tuple(branches), LEFT, effort)
+            return BranchSearchOutcome(None, tuple(branches), DEPARTED, effort)
         effort += Effort(escapes=1)
-        return Departure(taken.outcome, tuple(branches), taken.branch.name, effort)
+        return BranchSearchOutcome(taken.outcome, tuple(branches), taken.branch.name, effort)
 
-    def _choose(self, found: Sequence[_Found]) -> _Found | None:
+    def _choose(self, found: Sequence[_Candidate]) -> _Candidate | None:
         if not found:
             return None
         return _CHOICES[self._rule.choice](_sort_by_energy(found, self._rule.same_energy))
@@ -237,7 +237,7 @@ class BranchSearch:
             state, effort = walked.state, effort + Effort(walked.iterations)
             if not walked.arrived:
                 break
-            landed = self._land(state, tolerance)
+            landed = self._solve_at_end_of_walk(state, tolerance)
             effort += Effort(landed.iterations)
             if not landed.converged:
                 break
@@ -254,7 +254,7 @@ class BranchSearch:
         with self._newton.factorise(flowed.state) as factors:
             return _Descent(flowed.equilibrium, self._count_modes(factors), effort)
 
-    def _land(self, state: State, tolerance: float) -> NewtonOutcome:
+    def _solve_at_end_of_walk(self, state: State, tolerance: float) -> NewtonOutcome:
         """Solve at the end of a walk."""
         iterations = 0
         for _ in range(self._rule.attempts):

@@ -12,7 +12,7 @@ import numpy as np
 
 from bilayer.errors import ComputationError
 from bilayer.results.schema import UNKNOWN_STABILITY
-from fenics_model.branches.branch_search import BranchSearch, Departure
+from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.path.guide import Guide
 from fenics_model.path.predictor import Predictor
@@ -40,7 +40,7 @@ class LoadPoint:
         Relative to the reference; NaN where the path stopped.
     unstable_modes : int
         Of a goal; -1 if it is not known.
-    departure : Departure or None
+    departure : BranchSearchOutcome or None
         Of a goal where the path came to an unstable equilibrium: the search for others.
     """
 
@@ -50,7 +50,7 @@ class LoadPoint:
     effort: Effort
     residual: float
     unstable_modes: int = UNKNOWN_STABILITY
-    departure: Departure | None = None
+    departure: BranchSearchOutcome | None = None
 
 
 @dataclass(frozen=True)

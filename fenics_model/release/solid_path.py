@@ -20,7 +20,7 @@ from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Linearised, Recorded, Saved
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import choose_held_nodes
-from fenics_model.branches.branch_search import BranchSearch, Departure, SearchRule
+from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome, SearchRule
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
@@ -60,12 +60,12 @@ class MilestoneDetails:
     ----------
     vertices : (v, 3) array of float
         Deformed vertices of the volume mesh, m.
-    departure : Departure or None
+    departure : BranchSearchOutcome or None
         How an unstable equilibrium was left, without its state.
     """
 
     vertices: Array
-    departure: Departure | None
+    departure: BranchSearchOutcome | None
 
 
 class SolidEquilibrium:

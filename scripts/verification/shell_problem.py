@@ -17,7 +17,7 @@ from dshell.energies.assembly import Energy
 from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
-from dshell.release.branches import NextEquilibrium
+from dshell.release.branches import NextEquilibriumRule
 from dshell.release.static import ShellState, StaticPath, StepLimits, equilibrium_solver
 from dshell.solve.linear_solver import best_linear_solver
 from dshell.solve.newton import Body, EquilibriumSolver
@@ -68,7 +68,7 @@ class Problem:
         """The load path: each equilibrium in one step from the one before, stable or not."""
         solver = self._solver()
         limits = StepLimits(tolerance, iterations, longest_step)
-        return StaticPath(self, limits, solver, NextEquilibrium(solver))
+        return StaticPath(self, limits, solver, NextEquilibriumRule(solver))
 
     def solved(
         self,
