@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from benchmarks.sections import least_cpu
-from benchmarks.shell_release import Release
+from benchmarks.shell_release import BenchmarkCase
 from bilayer import generate_mesh
 from dshell import MorleySettings
 from dshell.energies.assembly import Assembly, deform
@@ -27,7 +27,7 @@ REPEATS = 3
 
 def stiffness_of_a_dome(triangles: int) -> csc_matrix:
     """Return the convex stiffness of the paper's specimen on a paraboloid."""
-    specimen = Release(triangles).specimen()
+    specimen = BenchmarkCase(triangles).specimen()
     mesh = generate_mesh(specimen)
     model = MorleyModel(specimen, mesh, MorleySettings())
     energies = model.energies((1.15, 1.15))
