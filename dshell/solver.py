@@ -10,7 +10,7 @@ from bilayer.errors import InputError
 from bilayer.mesh.generation import mesh_within_memory
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import result_mesh
-from bilayer.results.starting import FLAT, began, described, starting_shape
+from bilayer.results.starting import FLAT_START, describe_run, describe_start, starting_shape
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.solvers.run import solve_with
@@ -130,7 +130,7 @@ def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
 
 def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: Stretch) -> Beginning:
     """Return the shape of another result that leads to the first target."""
-    return Beginning(starting_shape(start, mesh, target), began(start))
+    return Beginning(starting_shape(start, mesh, target), describe_start(start))
 
 
 def _coarse_beginning(
@@ -143,11 +143,13 @@ def _coarse_beginning(
     """Return the shape on a coarse mesh, or none, that leads to the first target."""
     coarse = _coarse_result(specimen.with_milestones([target]), mesh, settings, progress)
     if coarse is None:
-        return Beginning(None, FLAT)
+        return Beginning(None, FLAT_START)
     if not coarse["converged"].all():
-        return Beginning(None, f"{FLAT}, because on a coarse mesh it {coarse.attrs['stop_reason']}")
+        return Beginning(
+            None, f"{FLAT_START}, because on a coarse mesh it {coarse.attrs['stop_reason']}"
+        )
     shape = prolonged(coarse["position"].values[0], result_mesh(coarse), mesh)
-    return Beginning(shape, f"{FLAT}, on a coarse mesh first: {described(coarse)}")
+    return Beginning(shape, f"{FLAT_START}, on a coarse mesh first: {describe_run(coarse)}")
 
 
 def _coarse_result(

@@ -15,7 +15,7 @@ from bilayer.measures.hemisphere import hemisphere_distance
 from bilayer.measures.sphere import Sphere, fit_sphere
 from bilayer.mesh.planar import PlanarMesh
 
-FLAT = 50.0
+FLAT_SPHERE_RATIO = 50.0
 """A sphere of more than this many flat radii is a flat sheet, of quality 1."""
 
 
@@ -88,10 +88,10 @@ def quality(sphere: Sphere, span: NDArray[np.float64], flat_radius: float) -> fl
     span : (3,) array of float
         Extents Lx, Ly, Lz in the body frame, m.
     flat_radius : float
-        See `measure_shape`; with a beyond `FLAT` times it the shape is flat.
+        See `measure_shape`; with a beyond `FLAT_SPHERE_RATIO` times it the shape is flat.
     """
     a = sphere.radius
-    if a > FLAT * flat_radius:
+    if a > FLAT_SPHERE_RATIO * flat_radius:
         return 1.0
     misfit = np.mean(np.abs(1 - span / np.array([2 * a, 2 * a, a])))
     return float(min(1.0, misfit + sphere.rmse / a))

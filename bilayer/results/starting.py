@@ -18,7 +18,7 @@ from bilayer.specimen.specimen import Specimen
 LONGEST_WAY = 0.06
 """Change of the prestretch after which a start has another shape on the way to a milestone."""
 
-FLAT = "flat"
+FLAT_START = "flat"
 ANOTHER_RESULT = "another result: "
 """Beginnings of a result's attribute `start`: flat (or, on a fine mesh of the shell, flat on a
 coarse mesh first), or another result."""
@@ -52,12 +52,12 @@ def with_waypoints(specimen: Specimen) -> Specimen:
     return specimen.with_milestones(milestones)
 
 
-def began(start: xr.Dataset | None) -> str:
+def describe_start(start: xr.Dataset | None) -> str:
     """Return the attribute `start` of a result that was given this start."""
-    return FLAT if start is None else ANOTHER_RESULT + described(start)
+    return FLAT_START if start is None else ANOTHER_RESULT + describe_run(start)
 
 
-def described(start: xr.Dataset) -> str:
+def describe_run(start: xr.Dataset) -> str:
     """Return a start in a line: its solver, model, iterations and time."""
     iterations, seconds = int(start["iterations"].sum()), float(start["wall_time"].sum())
     return (

@@ -17,7 +17,7 @@ import xarray as xr
 
 from bilayer.errors import INTERRUPTED
 from bilayer.results.schema import result_mesh, result_specimen
-from bilayer.results.starting import ANOTHER_RESULT, FLAT
+from bilayer.results.starting import ANOTHER_RESULT, FLAT_START
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.registry import settings_kind, solve, solver_named
@@ -70,7 +70,7 @@ def rerun(
         result.attrs["solver"],
         settings,
         mesh=result_mesh(result),
-        start=FLAT if result.attrs.get("start") == FLAT else None,
+        start=FLAT_START if result.attrs.get("start") == FLAT_START else None,
         progress=progress,
         output=output,
     )
@@ -104,8 +104,8 @@ def solve_command(result: xr.Dataset, file: str) -> str:
     for name, value in tomllib.loads(result.attrs["settings"]).items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
-    if result.attrs.get("start") == FLAT != solver_named(solver).default_start:
-        words += ["--start", FLAT]
+    if result.attrs.get("start") == FLAT_START != solver_named(solver).default_start:
+        words += ["--start", FLAT_START]
     if began_elsewhere(result):
         words += ["--start", "START.nc"]
     return shlex.join([*words, "--mesh", file, "-o", "again.nc"])

@@ -16,7 +16,7 @@ from bilayer.errors import ComputationError, InputError
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import UNKNOWN_STABILITY
-from bilayer.results.starting import FLAT
+from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedError
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.two_layers import TwoLayers
@@ -133,7 +133,7 @@ class PaperPath:
 
     comm = None
     versions = VERSIONS
-    start = FLAT
+    start = FLAT_START
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: PaperSettings) -> None:
         _check_input(specimen)

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.measures.milestone import Measures, measure
-from bilayer.results.starting import FLAT
+from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
 from dshell.release.effort import ShellEffort
 from dshell.release.linearised import LinearisedShell
@@ -167,7 +167,7 @@ class ShellPath:
         self.mesh = shell.mesh
         self._shell, self._solver, self._path = shell, solver, path
         self._begin: Begin | None = begin
-        self.start = FLAT
+        self.start = FLAT_START
 
     def approach(self, target: Stretch) -> Iterator[ShellEquilibrium]:
         """Go to a prestretch; see `Path`."""
@@ -184,7 +184,7 @@ class ShellPath:
             return
         guess = self._shell.state_near(beginning.shape, target)
         if not self._path.begin_near(guess, target, START_ITERATIONS):
-            self.start = f"{FLAT}, because what was to start it led nowhere: {self.start}"
+            self.start = f"{FLAT_START}, because what was to start it led nowhere: {self.start}"
 
     def stopped(self) -> ShellEquilibrium:
         """Return the last state; see `Path`."""
