@@ -17,7 +17,7 @@ from bilayer.mesh.planar import PlanarMesh, flat_surface
 
 Array = NDArray[np.float64]
 
-FLATNESS = 1e-6
+FLAT_SHAPE_TOLERANCE = 1e-6
 """Mean height over the rim, over the rim's rms radius, below which a shape has no apex."""
 
 
@@ -77,7 +77,7 @@ def _apex_side(normal: Array, surface: Surface, origin: Array, rim: Array) -> fl
     """
     height = normal @ (surface.centroid - origin)
     radius = np.sqrt(np.mean(np.sum((rim - origin) ** 2, axis=1)))
-    if abs(height) > FLATNESS * radius:
+    if abs(height) > FLAT_SHAPE_TOLERANCE * radius:
         return float(np.sign(height))
     return 1.0 if normal @ surface.area_vectors.sum(axis=0) >= 0 else -1.0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bilayer.study.case import Case
-from bilayer.study.folder import DONE
+from bilayer.study.folder import CASE_DONE
 
 
 @dataclass(frozen=True)
@@ -86,4 +86,4 @@ def _finished(index: pd.DataFrame | None) -> pd.DataFrame:
     rows = pd.DataFrame(columns=columns) if index is None else index[columns]
     milestones = rows.groupby("case")["case"].transform("size")
     rows = rows.assign(work=rows["triangles"] * milestones)
-    return rows[rows["status"] == DONE].drop_duplicates("case")
+    return rows[rows["status"] == CASE_DONE].drop_duplicates("case")

@@ -29,8 +29,11 @@ from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 
-BEGUN, DONE, FAILED, NOT_WRITTEN = "begun", "done", "failed", "not written"
-LACKS_MEMORY = "lacks memory"
+CASE_DONE, CASE_FAILED, CASE_LACKS_MEMORY = "done", "failed", "lacks memory"
+"""Status of a case."""
+
+LOG_BEGUN, LOG_DONE, LOG_NOT_WRITTEN = "begun", "done", "not written"
+"""Events in the log, beside the status of a case that has no result."""
 
 
 @dataclass(frozen=True)
@@ -188,7 +191,7 @@ class StudyFolder:
                 words = line.split("\t")
                 if len(words) > 2:
                     last_event[words[2]] = words[1]
-        return {identity for identity, event in last_event.items() if event == BEGUN}
+        return {identity for identity, event in last_event.items() if event == LOG_BEGUN}
 
     def keep_result(self, case: Case, result: xr.Dataset, seconds: float) -> None:
         """Write the result of a case, whole or not at all, and log it.
@@ -208,14 +211,16 @@ class StudyFolder:
         self.unfinished_file(case.identity).unlink(missing_ok=True)
         for left in (self.path / "cases").glob(f".{case.identity}.*"):
             shutil.rmtree(left, ignore_errors=True)  # a process was killed while it wrote
-        self.log(DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
+        self.log(LOG_DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
 
     def log_not_written(self, case: Case, error: Exception) -> None:
         """Log that a case could not be kept, if the log can be written."""
         with suppress(ComputationError):
-            self.log(NOT_WRITTEN, case, str(error))
+            self.log(LOG_NOT_WRITTEN, case, str(error))
 
-    def keep_failure(self, case: Case, reason: str, trace: str = "", status: str = FAILED) -> None:
+    def keep_failure(
+        self, case: Case, reason: str, trace: str = "", status: str = CASE_FAILED
+    ) -> None:
         """Record why a case has no result, and log it.
 
         Parameters
@@ -245,12 +250,12 @@ class StudyFolder:
             record = json.loads(self.failure_file(identity).read_text(encoding="utf-8"))
         except OSError:
             return None
-        return NoResult(record.get("status", FAILED), record["reason"])
+        return NoResult(record.get("status", CASE_FAILED), record["reason"])
 
     def has_failed(self, identity: str) -> bool:
         """Whether a case has failed for good: it is computed again only if that is asked for."""
         recorded = self.failure(identity)
-        return recorded is not None and recorded.status == FAILED
+        return recorded is not None and recorded.status == CASE_FAILED
 
     @contextmanager
     def alone(self) -> Iterator[None]:

@@ -9,11 +9,11 @@ import pandas as pd
 from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
 from bilayer.solvers.registry import settings_kind
-from bilayer.study.folder import DONE, FAILED, StudyFolder
+from bilayer.study.folder import CASE_DONE, CASE_FAILED, NoResult, StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 
-STOPPED, MISSING = "stopped early", "missing"
-UNFINISHED = "unfinished"
+CASE_STOPPED, CASE_MISSING = "stopped early", "missing"
+CASE_UNFINISHED = "unfinished"
 """Status of a case that has some milestones, and goes on from there when it is computed again."""
 SHOWN = (
     "converged", "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height",
@@ -84,23 +84,24 @@ def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | Non
     path = folder.kept_file(entry["case"])
     failure = folder.failure(entry["case"])
     if not path.exists():
-        return (None, MISSING, "") if failure is None else (None, failure.status, failure.reason)
+        return None, *_recorded(failure, CASE_MISSING, "")
     try:
         stored = read_scalars(path)
     except InputError as error:
-        return None, FAILED, str(error)
+        return None, CASE_FAILED, str(error)
     if path == folder.unfinished_file(entry["case"]):
-        return (
-            (stored, UNFINISHED, INTERRUPTED)
-            if failure is None
-            else (stored, failure.status, failure.reason)
-        )
+        return stored, *_recorded(failure, CASE_UNFINISHED, INTERRUPTED)
     reason = str(stored.attributes["stop_reason"])
     kind = settings_kind(entry["solver"], entry["model"])
     ended_well = bool(np.all(stored.values["converged"] == 1)) or getattr(
         kind, "stopping_is_a_result", False
     )
-    return stored, DONE if ended_well else STOPPED, reason
+    return stored, CASE_DONE if ended_well else CASE_STOPPED, reason
+
+
+def _recorded(failure: NoResult | None, status: str, reason: str) -> tuple[str, str]:
+    """Return status and reason as they were recorded, or these if nothing was."""
+    return (status, reason) if failure is None else (failure.status, failure.reason)
 
 
 def _column(stored: Scalars | None, name: str, count: int) -> Any:

@@ -11,8 +11,8 @@ from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
-from bilayer.study.folder import FAILED, LACKS_MEMORY, StudyFolder
-from bilayer.study.index import STOPPED, read_index, write_index
+from bilayer.study.folder import CASE_FAILED, CASE_LACKS_MEMORY, StudyFolder
+from bilayer.study.index import CASE_STOPPED, read_index, write_index
 from bilayer.study.memory import memory_note, separate_by_memory
 from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import available_cores, compute_in_processes
@@ -73,7 +73,7 @@ def run_study(
         room = available_memory() if memory is None else memory
         fitting, shortages = separate_by_memory(waiting, room)
         for case, reason in shortages.items():
-            folder.keep_failure(case, reason, status=LACKS_MEMORY)
+            folder.keep_failure(case, reason, status=CASE_LACKS_MEMORY)
         note = memory_note(fitting, count, room)
         if note and notice is not None:
             notice(note)
@@ -178,7 +178,7 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
     ]
     if retry_failed:
         index = read_index(folder)
-        failed = set(index["case"][index["status"].isin([FAILED, STOPPED])])
+        failed = set(index["case"][index["status"].isin([CASE_FAILED, CASE_STOPPED])])
         waiting += [case for case in plan.cases if case.identity in failed]
     suspects = folder.begun_without_end()
     return sorted(waiting, key=lambda case: (case.identity in suspects, -case.cost))
