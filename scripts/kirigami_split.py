@@ -50,10 +50,10 @@ def shapes(case: Case) -> list[tuple[float, float]]:
 def main() -> None:
     found = [shapes(case) for case in CASES]
     columns = [f"{name} at {s:g}" for s in STRETCHES for name in ("height", "radius")]
-    print("| substrate | kirigami layer |", " | ".join(columns), "|")
+    print("| C01/C10 substrate | kirigami |", " | ".join(columns), "|")
     print("|---" * (2 + len(columns)) + "|")
     for case, numbers in zip(CASES, found, strict=True):
-        cells = [f"{case.substrate:.3g}", f"{case.kirigami:.3g}"]
+        cells = [f"{case.substrate:.4g}", f"{case.kirigami:.4g}"]
         for now, template in zip(numbers, found[0], strict=True):
             for value, reference in zip(now, template, strict=True):
                 moved = "" if now is template else f" ({100 * (value / reference - 1):+.1f} %)"

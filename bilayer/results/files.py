@@ -61,18 +61,61 @@ def write_result(result: xr.Dataset, path: str | Path, resume: ResumePoint | Non
     ComputationError
         Writing failed, for example on a full disk; an earlier file of that name stays as it was.
     """
-    packed: dict[Any, dict[str, Any]] = {
-        name: {"zlib": True, "complevel": 4}
-        for name, variable in result.variables.items()
-        if variable.dtype.kind == "f" and variable.ndim > 1 and resume is None
-    }
-    without_gaps = {name: {"_FillValue": None} for name in result.coords}  # CF, section 2.5.1
     group = None if resume is None else _as_dataset(resume)
     room = result.nbytes + (0 if group is None else group.nbytes) + HDF5_ROOM
     with whole_file(path, "result file", room=room) as partial, _netcdf_errors(partial):
-        result.to_netcdf(partial, engine="netcdf4", encoding=packed | without_gaps)
-        if group is not None:
-            group.to_netcdf(partial, engine="netcdf4", mode="a", group=RESUME_GROUP)
+        if group is None:
+            _write_packed(result, partial)
+        else:
+            _write_quickly(result, group, partial)
+
+
+def _write_packed(result: xr.Dataset, path: Path) -> None:
+    packed: dict[Any, dict[str, Any]] = {
+        name: {"zlib": True, "complevel": 4}
+        for name, variable in result.variables.items()
+        if variable.dtype.kind == "f" and variable.ndim > 1
+    }
+    without_gaps = {name: {"_FillValue": None} for name in result.coords}  # CF, section 2.5.1
+    result.to_netcdf(path, engine="netcdf4", encoding=packed | without_gaps)
+
+
+def _write_quickly(result: xr.Dataset, group: xr.Dataset, path: Path) -> None:
+    """Write what xarray would read back the same, in a quarter of the time that it takes."""
+    with netCDF4.Dataset(path, "w") as file:
+        _fill(file, result)
+        _fill(file.createGroup(RESUME_GROUP), group)
+
+
+def _fill(group: netCDF4.Dataset, dataset: xr.Dataset) -> None:
+    """Define everything before anything is written: the library syncs in between."""
+    for name, size in dataset.sizes.items():
+        group.createDimension(str(name), size)
+    group.setncatts(dataset.attrs)
+    made = []
+    for name, variable in dataset.variables.items():
+        is_text = variable.dtype.kind in "OU"
+        gaps = np.nan if variable.dtype.kind == "f" and name not in dataset.coords else False
+        kind: Any = str if is_text else variable.dtype
+        dims = [str(dim) for dim in variable.dims]
+        stored = group.createVariable(str(name), kind, dims, fill_value=None if is_text else gaps)
+        stored.setncatts(variable.attrs | _coordinates(dataset, name))
+        made.append((stored, variable.values.astype(object) if is_text else variable.values))
+    for stored, values in made:
+        stored[...] = values
+
+
+def _coordinates(dataset: xr.Dataset, name: Any) -> dict[str, str]:
+    """Return the attribute that names the coordinates of a variable which are no dimensions."""
+    if name in dataset.coords:
+        return {}
+    dims = set(dataset.variables[name].dims)
+    own = [
+        str(coordinate)
+        for coordinate, values in dataset.coords.items()
+        if coordinate not in dataset.sizes and set(values.dims) <= dims
+    ]
+    return {"coordinates": " ".join(own)} if own else {}
 
 
 def open_result(path: str | Path) -> xr.Dataset:

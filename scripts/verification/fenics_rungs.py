@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from verification import solid_derivatives, solid_discs, solid_states, solid_strips
+from verification.laws import LAW_CASES, STRETCHES, law_checks
 from verification.rung import Check, Rung
 
 DISC_SIZE = 0.008  # m, of the discs' meshes: quadratic displacements need no finer one
@@ -28,6 +29,27 @@ def patch() -> Iterator[Check]:
     for (i, j), value in {(0, 0): 132341.4487, (0, 1): 4765.5975, (2, 2): 137236.8145}.items():
         yield Check(f"P{i + 1}{j + 1} (Pa)", found.stress[i, j], value, 1e-8)
     yield Check("rms of grad(x) less its mean", found.unevenness, 0.0, 1e-8, 1.0)
+
+
+def patch_of_every_law() -> Iterator[Check]:
+    d1 = solid_states.COMPRESSIBLE_TAPE.d1
+    for name, case in LAW_CASES.items():
+        found = solid_states.compressible_patch(case.compressible(d1))
+        energy, stress = case.first_piola(solid_states.PATCH_GRADIENT, d1)
+        yield Check(f"{name}: W (J/m3)", found.energy_density, energy, 1e-8)
+        apart = float(np.abs(found.stress - stress).max())
+        yield Check(f"{name}: P, largest error (Pa)", apart, 0.0, 1e-8, float(stress.max()))
+        yield Check(f"{name}: rms of grad(x) less its mean", found.unevenness, 0.0, 1e-8, 1.0)
+
+
+def every_law() -> Iterator[Check]:
+    for name, case in LAW_CASES.items():
+        solid = solid_states.block(case.law)
+        for stretch in STRETCHES:
+            along_x, _ = solid_states.equibiaxial_stress(solid, stretch)
+            uniaxial = solid_states.uniaxial_stress(solid, stretch)
+            planar = solid_states.planar_stress(solid, stretch)
+            yield from law_checks(name, case, stretch, uniaxial, along_x, planar)
 
 
 def locking() -> Iterator[Check]:
@@ -120,6 +142,12 @@ FENICS_RUNGS = (
         patch,
     ),
     Rung(
+        2, SOLID, "Compressible patch test, every law",
+        "The same deformation; closed form in principal stretches. The error of P is over its "
+        "largest entry.",
+        patch_of_every_law,
+    ),
+    Rung(
         3, SOLID, "Thickness locking",
         "A homogeneous cantilever of 80 x 1 mm, one element thick, its width held, under its "
         "weight: strain energy over that of the plate in plane strain, q^2 L^5 / 40 D.",
@@ -165,5 +193,11 @@ FENICS_RUNGS = (
         "Relative differences from central differences of fourth order, in a state of finite "
         "strain; relative changes by a rigid motion; largest distance of two shapes.",
         energies,
+    ),
+    Rung(
+        24, SOLID, "Homogeneous states of every law",
+        "An incompressible block; closed forms in principal stretches. Planar: nominal stresses "
+        "along and across, the width held.",
+        every_law,
     ),
 )  # fmt: skip

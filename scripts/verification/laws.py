@@ -4,13 +4,14 @@ A closed form is the energy and t_i = l_i dW / dl_i by the principal stretches a
 the Cauchy stress of an incompressible body is t_i less the pressure.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bilayer import ArrudaBoyce, Gent, MooneyRivlin, NeoHookean, Ogden, Yeoh
+from verification.rung import Check
 
 Array = NDArray[np.float64]
 
@@ -120,3 +121,25 @@ LAW_CASES = {
     "ogden": _ogden([30_000.0, 8000.0, 1000.0], [1.3, -2.0, 4.0]),
 }
 """Each law with constants of the tape's order; Ogden's exponents whole and not."""
+
+STRETCHES = (1.06, 1.24)
+
+
+def law_checks(
+    name: str,
+    case: LawCase,
+    stretch: float,
+    uniaxial: float,
+    equibiaxial: float,
+    planar: tuple[float, float],
+) -> Iterator[Check]:
+    """Stresses that a solver finds beside the closed forms."""
+    at = f"{name}, {stretch:g}"
+    expected = case.uniaxial_nominal(stretch)
+    yield Check(f"{at}: uniaxial, nominal (Pa)", uniaxial, expected, 1e-6)
+    expected = case.equibiaxial_cauchy(stretch)
+    yield Check(f"{at}: equibiaxial, Cauchy (Pa)", equibiaxial, expected, 1e-6)
+    for side, found, closed in zip(
+        ("along", "across"), planar, case.planar_nominal(stretch), strict=True
+    ):
+        yield Check(f"{at}: planar, {side} (Pa)", found, closed, 1e-6)

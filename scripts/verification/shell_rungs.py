@@ -15,7 +15,16 @@ from dshell import HingeSettings, MorleySettings
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
 from dshell.models.paper_rest_state import rest_state
-from verification import bilayers, cantilevers, derivatives, flowers, hinge_lattice, plates
+from verification import (
+    bilayers,
+    cantilevers,
+    derivatives,
+    flowers,
+    hinge_lattice,
+    plates,
+    shell_states,
+)
+from verification.laws import LAW_CASES, STRETCHES, law_checks
 from verification.meshes import hexagon, rectangle
 from verification.rung import Check, Rung
 
@@ -262,6 +271,15 @@ def against_finite_elements() -> Iterator[Check]:
         yield Check(f"prestretch {stretch:g}: rms / R", float(distance), 0.0, tolerance, 1.0)
 
 
+def every_law() -> Iterator[Check]:
+    for name, case in LAW_CASES.items():
+        for stretch in STRETCHES:
+            uniaxial = shell_states.uniaxial_stress(case.law, stretch)
+            equibiaxial = shell_states.equibiaxial_stress(case.law, stretch)
+            planar = shell_states.planar_stress(case.law, stretch)
+            yield from law_checks(name, case, stretch, uniaxial, equibiaxial, planar)
+
+
 MORLEY, HINGE = "dshell morley", "dshell hinge"
 
 TESTED_RUNGS = (
@@ -371,6 +389,12 @@ TESTED_RUNGS = (
         "rms distance of the interfaces after rigid alignment, on the mesh of the finite-element "
         "result that `scripts/reproduce` keeps (results/paper/fenics.nc).",
         against_finite_elements,
+    ),
+    Rung(
+        24, MORLEY, "Homogeneous states of every law",
+        "Incompressible, in plane stress; closed forms in principal stretches. Planar: nominal "
+        "stresses along and across, the width held.",
+        every_law,
     ),
 )  # fmt: skip
 

@@ -8,9 +8,15 @@ from verification.rung import MISSED, Check, Rung
 
 Ladder = Sequence[tuple[Rung, Sequence[Check]]]
 HEADINGS = ("quantity", "measured", "reference", "error", "tolerance", "verdict")
+INTRODUCTION = (
+    "Cases with known answers. `scripts/verify` writes this page. It computes every number of the "
+    'column "measured" anew, and fails if one misses its tolerance. Errors and tolerances are '
+    "relative to the reference, or absolute if the reference is 0. A number without a tolerance is "
+    "reported, not judged."
+)
+COLUMNS = 100
+"""Of a line of text on the page."""
 WIDTHS = (46, 11, 11, 9, 9, 8)
-WIDTH = 100
-"""Of the page's paragraphs, columns."""
 
 
 def missed(ladder: Ladder) -> int:
@@ -38,28 +44,21 @@ def page(ladder: Ladder, absent: Mapping[str, str]) -> str:
     """Return the page of the whole ladder, with the rungs that it lacks and why."""
     parts = [
         "# Verification",
-        _paragraph(
-            "Cases with known answers. `scripts/verify` writes this page. It computes every number "
-            'of the column "measured" anew, and fails if one misses its tolerance. Errors and '
-            "tolerances are relative to the reference, or absolute if the reference is 0. A number "
-            "without a tolerance is reported, not judged."
-        ),
+        _filled(INTRODUCTION),
         summary(ladder),
     ]
     for rung, checks in ladder:
         rows = [HEADINGS, ("---",) * len(HEADINGS), *map(_cells, checks)]
         table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-        heading = f"## {rung.number}. {rung.title} ({rung.solver})"
-        parts += [heading, _paragraph(rung.source), table]
-    lacking = "\n".join(_paragraph(f"- **{name}**: {why}", "  ") for name, why in absent.items())
+        parts += [f"## {rung.number}. {rung.title} ({rung.solver})", _filled(rung.source), table]
+    lacking = "\n".join(
+        _filled(f"- **{name}**: {why}", indent="  ") for name, why in absent.items()
+    )
     return "\n\n".join([*parts, "## Missing", lacking]) + "\n"
 
 
-def _paragraph(text: str, indent: str = "") -> str:
-    """Return a text in lines of the page's width."""
-    return textwrap.fill(
-        text, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
-    )
+def _filled(text: str, indent: str = "") -> str:
+    return textwrap.fill(text, COLUMNS, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def _cells(check: Check) -> tuple[str, ...]:

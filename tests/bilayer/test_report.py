@@ -1,13 +1,10 @@
-"""The text of a result: its specimen, and how far it can be trusted."""
-
-from dataclasses import replace
+"""The text of a result: how far it can be trusted."""
 
 import pytest
 from made_results import cap_result, small_specimen
 
 from bilayer.results.caveats import THICKEST_SHELL
 from bilayer.results.report import provenance, trust
-from bilayer.specimen.outline import Ellipse, Rectangle
 from bilayer.specimen.specimen import Specimen
 
 
@@ -30,18 +27,3 @@ def test_a_shell_of_a_thick_sheet_is_not_trusted(solver, warned):
 @pytest.mark.parametrize("specimen", [small_specimen(), of_thickness(THICKEST_SHELL)])
 def test_a_shell_of_a_thin_sheet_is(specimen):
     assert "THICK" not in trust(cap_result(specimen))
-
-
-def test_the_specimen_is_described_by_its_outline_and_its_layers():
-    two = small_specimen()
-    ellipse = replace(two.with_layer("kirigami", pattern=None), outline=Ellipse(0.09, 0.04))
-    assert "radius 40 mm, 5 strips" in provenance(cap_result(two))
-    assert "ellipse of the area of a disc of radius 30 mm, uncut" in provenance(cap_result(ellipse))
-    lower = replace(two.layer("kirigami"), name="lower")
-    text = provenance(cap_result(replace(two, layers=(lower, *two.layers))))
-    sides = [line.rsplit(", ", 1)[1] for line in text.splitlines()[2:5]]
-    assert sides == ["below", "around the reference surface", "above"]
-    square = replace(two, outline=Rectangle(0.08, 0.08))
-    assert "rectangle of the area of a disc of radius 45.1352 mm, 5 strips" in provenance(
-        cap_result(square)
-    )

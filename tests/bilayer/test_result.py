@@ -21,6 +21,7 @@ from bilayer import (
 )
 from bilayer.measures.shape import measure_shape
 from bilayer.results.assembly import Provenance, build_result
+from bilayer.results.files import ResumePoint, open_resume_point
 from bilayer.results.report import provenance
 
 PER_MILESTONE = {
@@ -117,6 +118,21 @@ def test_milestones_that_were_not_begun_are_nan():
     result = build_result(specimen, mesh, [], made_by, stop_reason="nothing was tried")
     assert result["converged"].values.tolist() == [0, 0, 0]
     assert np.isnan(result["position"].values).all()
+
+
+@pytest.mark.parametrize("name", ["result", "stopped"])
+def test_a_file_of_a_run_that_is_not_finished_gives_back_both(name, request, tmp_path):
+    written = request.getfixturevalue(name)
+    saved = {"state": np.linspace(0, 1, 7), "modes": np.array(-1), "start": np.array("flat, ä")}
+    point = ResumePoint(2, ("one reason", "another"), saved)
+    write_result(written, tmp_path / "result.nc", point)
+    xr.testing.assert_identical(open_result(tmp_path / "result.nc"), written)
+    read = open_resume_point(tmp_path / "result.nc")
+    assert (read.tried, read.reasons) == (2, ("one reason", "another"))
+    assert list(read.saved) == list(saved)
+    assert all(np.array_equal(read.saved[key], value) for key, value in saved.items())
+    write_result(written, tmp_path / "result.nc")
+    assert open_resume_point(tmp_path / "result.nc") is None
 
 
 @pytest.mark.parametrize("name", ["result", "stopped"])
