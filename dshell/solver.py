@@ -18,7 +18,7 @@ from bilayer.specimen.specimen import Specimen
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
 from dshell.release.branches import BRANCH_RULES
-from dshell.release.coarse_start import coarse_mesh, prolonged
+from dshell.release.coarse_start import coarse_mesh, prolong_shape
 from dshell.release.dynamic import DynamicPath, MotionLimits
 from dshell.release.paper import PaperPath
 from dshell.release.specimen_path import Begin, Beginning, ShellPath
@@ -148,7 +148,7 @@ def _coarse_beginning(
         return Beginning(
             None, f"{FLAT_START}, because on a coarse mesh it {coarse.attrs['stop_reason']}"
         )
-    shape = prolonged(coarse["position"].values[0], result_mesh(coarse), mesh)
+    shape = prolong_shape(coarse["position"].values[0], result_mesh(coarse), mesh)
     return Beginning(shape, f"{FLAT_START}, on a coarse mesh first: {describe_run(coarse)}")
 
 

@@ -48,7 +48,7 @@ class MorleyModel:
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
         """Return the faces in blocks, the prestretch being (lambda_x, lambda_y)."""
         laminate = self._laminate(stretch)
-        return [faces.made_of(laminate.part(block)) for block, faces in self._blocks]
+        return [faces.with_laminate(laminate.part(block)) for block, faces in self._blocks]
 
     def bond_height(self, stretch: tuple[float, float]) -> float:
         """Return the height of the reference surface above the shell's own, flat, m.

@@ -65,7 +65,7 @@ def _disagreement(coarse: PlanarMesh, fine: PlanarMesh) -> float:
     return float(fine.areas[differs].sum() / fine.areas.sum())
 
 
-def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
+def prolong_shape(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
     """Return a smooth surface through the nodes of a coarse mesh at those of a fine one.
 
     The coarse rim is a polygon within the fine one. So that nothing is extrapolated there, the fine

@@ -75,7 +75,7 @@ class SuperLUSolver:
 
     def cholesky(self, matrix: csc_matrix) -> Factor:
         """See `LinearSolver`."""
-        return _definite(self, matrix)
+        return _factor_definite(self, matrix)
 
     def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
         """See `LinearSolver`."""
@@ -111,14 +111,14 @@ class MumpsSolver:
         self._petsc = _PetscSystem("mumps", {"icntl_7": MUMPS_ORDERINGS[ordering]})
 
     @property
-    def ordering_taken(self) -> str:
+    def used_ordering(self) -> str:
         """The ordering that MUMPS took for the last matrix."""
         number = self._petsc.package_data.getMumpsInfog(_MUMPS_ORDERING_TAKEN)
         return {code: name for name, code in MUMPS_ORDERINGS.items()}.get(number, str(number))
 
     def cholesky(self, matrix: csc_matrix) -> Factor:
         """See `LinearSolver`."""
-        return _definite(self, matrix)
+        return _factor_definite(self, matrix)
 
     def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
         """See `LinearSolver`."""
@@ -230,7 +230,7 @@ def best_linear_solver() -> LinearSolver:
     return CholmodSolver() if find_spec("petsc4py") else SuperLUSolver()
 
 
-def _definite(solver: LinearSolver, matrix: csc_matrix) -> Factor:
+def _factor_definite(solver: LinearSolver, matrix: csc_matrix) -> Factor:
     """Return the factor L D L' of a matrix whose pivots are all positive."""
     try:
         factor = solver.factor(matrix)

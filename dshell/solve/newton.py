@@ -175,7 +175,7 @@ class Outcome:
     iterations: int
 
 
-class _Mended:
+class _FlippedFactor:
     """An indefinite matrix, factorised, with its negative eigenvalues' signs turned."""
 
     def __init__(self, factor: Factor, values: Array, modes: Array) -> None:
@@ -227,7 +227,7 @@ class EquilibriumSolver:
             if converged or iteration == limits.iterations:
                 break
             try:
-                here = self._improved(here, limits)
+                here = self._iterate(here, limits)
             except NoDescentError:
                 break
         return Outcome(here.state, converged, here.error, iteration)
@@ -253,7 +253,7 @@ class EquilibriumSolver:
                 factor = self._linear.factor(here.hessian())
             except SingularMatrixError:
                 break
-            step = _capped(self._step(factor, here.residual), limits.longest_step)
+            step = _cap_step(self._step(factor, here.residual), limits.longest_step)
             here = self.configure(body, here.state + step)
         return Outcome(here.state, converged, here.error, iteration)
 
@@ -274,16 +274,16 @@ class EquilibriumSolver:
         direction[self.assembly.free] = modes[:, 0]
         return direction / direction[np.argmax(np.abs(direction))]
 
-    def _improved(self, here: Configuration, limits: NewtonLimits) -> Configuration:
+    def _iterate(self, here: Configuration, limits: NewtonLimits) -> Configuration:
         """Return the body after one iteration: the longest halved step that is low enough."""
-        factor = self._descent(here)
+        factor = self._factor_downhill(here)
         straight = self._step(factor, here.residual)
-        step = _capped(straight, limits.longest_step)
+        step = _cap_step(straight, limits.longest_step)
         whole = step is straight
         slope = float(here.residual @ step[self.assembly.free])
         share = 1.0
         while share > SHORTEST_STEP:
-            there = self._corrected(here, share * step, factor, limits)
+            there = self._step_and_correct(here, share * step, factor, limits)
             change = there.energy - here.energy
             too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
             if change <= SUFFICIENT_DECREASE * share * slope and not too_far:
@@ -293,7 +293,7 @@ class EquilibriumSolver:
             share /= 2
         raise NoDescentError("no step along Newton's direction lowers the energy")
 
-    def _corrected(
+    def _step_and_correct(
         self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
     ) -> Configuration:
         """Return the configuration after a step and those corrections that lower the energy.
@@ -307,15 +307,15 @@ class EquilibriumSolver:
         for _ in range(limits.corrections):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
-            correction = _capped(self._step(inverse, there.residual), limits.longest_step)
-            lower = self._lower(there, correction)
+            correction = _cap_step(self._step(inverse, there.residual), limits.longest_step)
+            lower = self._shorten_correction(there, correction)
             if lower is None:
                 break
-            inverse.observe((lower.state - there.state)[free], lower.residual - there.residual)
+            inverse.add_pair((lower.state - there.state)[free], lower.residual - there.residual)
             there = lower
         return there
 
-    def _lower(self, here: Configuration, correction: Array) -> Configuration | None:
+    def _shorten_correction(self, here: Configuration, correction: Array) -> Configuration | None:
         """Return the body after the largest share of a correction that lowers the energy."""
         for share in CORRECTION_SHARES:
             there = self.configure(here.body, here.state + share * correction)
@@ -330,14 +330,14 @@ class EquilibriumSolver:
         step[self.assembly.free] = -factor.solve(residual)
         return step
 
-    def _descent(self, here: Configuration) -> Factor:
+    def _factor_downhill(self, here: Configuration) -> Factor:
         hessian = here.hessian()
         try:
             return self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
-            return self._mended(hessian) or self._convex(here)
+            return self._flip_negative_modes(hessian) or self._factor_convex(here)
 
-    def _mended(self, hessian: csc_matrix) -> Factor | None:
+    def _flip_negative_modes(self, hessian: csc_matrix) -> Factor | None:
         """Return the Hessian with its negative eigenvalues made positive, if they are few.
 
         Where a shape is about to lose its symmetry one or two of them are nearly 0, and the convex
@@ -347,12 +347,12 @@ class EquilibriumSolver:
             factor = self._linear.factor(hessian)
             if 0 < factor.negative <= FEW_NEGATIVE:
                 pairs = _negative_pairs(hessian, factor, factor.negative, MODE_RESTARTS)
-                return _Mended(factor, *pairs)
+                return _FlippedFactor(factor, *pairs)
         except (SingularMatrixError, ArpackError):
             pass
         return None
 
-    def _convex(self, here: Configuration) -> Factor:
+    def _factor_convex(self, here: Configuration) -> Factor:
         convex = here.convex_hessian()
         diagonal = convex.diagonal()
         convex.setdiag(diagonal + CONVEX_SHIFT * diagonal.mean())
@@ -362,7 +362,7 @@ class EquilibriumSolver:
             raise NoDescentError("round-off hides the convex relative of the stiffness") from error
 
 
-def _capped(step: Array, longest: float) -> Array:
+def _cap_step(step: Array, longest: float) -> Array:
     """Return a step itself where no degree of freedom changes by more than `longest`, or less."""
     length = np.abs(step).max()
     return step * (longest / length) if length > longest else step

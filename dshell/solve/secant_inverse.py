@@ -32,7 +32,7 @@ class SecantInverse:
         self._factor = factor
         self._seen: list[tuple[Array, Array, float]] = []  # s, y, s . y
 
-    def observe(self, step: Array, change: Array) -> None:
+    def add_pair(self, step: Array, change: Array) -> None:
         """Learn from a step, m, and the change of the residual force over it, N, each (n,)."""
         product = _dot(step, change)
         if product > LEAST_COSINE * np.linalg.norm(step) * np.linalg.norm(change):

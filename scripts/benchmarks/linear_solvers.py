@@ -57,7 +57,7 @@ def _cost(solver: LinearSolver, matrix: csc_matrix) -> dict[str, Any]:
     residual = np.linalg.norm(matrix @ factor.solve(right) - right) / np.linalg.norm(right)
     return {
         "solver": solver.name,
-        "ordering": getattr(solver, "ordering_taken", "its own"),
+        "ordering": getattr(solver, "used_ordering", "its own"),
         "with its analysis (s)": first,
         "factorisation (s)": again,
         "solution (s)": solution,
