@@ -33,7 +33,7 @@ from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
 from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.materials import Law, LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.specimen.settings import documented
+from bilayer.specimen.settings import setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
 from bilayer.specimen.support import HeldNodes, choose_held_nodes
 from bilayer.specimen.toml import specimen_to_toml
@@ -53,14 +53,14 @@ class DeckSettings:
         A value is out of its range.
     """
 
-    element: str = documented(
+    element: str = setting(
         "hexahedron",
         "'hexahedron': pairs of triangles are C3D20R, those left over C3D15; 'wedge': all C3D15",
     )
-    first_increment: float = documented(0.05, "first increment of the control displacement c [1]")
-    largest_increment: float = documented(0.2, "largest increment of c [1]")
-    smallest_increment: float = documented(1e-5, "increment below which the program gives up [1]")
-    imperfection: float = documented(
+    first_increment: float = setting(0.05, "first increment of the control displacement c [1]")
+    largest_increment: float = setting(0.2, "largest increment of c [1]")
+    smallest_increment: float = setting(1e-5, "increment below which the program gives up [1]")
+    imperfection: float = setting(
         0.1,
         "saddle-shaped vertical load that breaks the symmetry, acceleration of the substrate at "
         "the rim, gone at c = 1 [m/s2]",

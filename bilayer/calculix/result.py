@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.calculix.deck import MILLIMETRES, deck_points
-from bilayer.calculix.files import Convergence, Frd, read_convergence, read_frd
+from bilayer.calculix.files import Frd, RunRecord, read_frd, read_run_record
 from bilayer.calculix.quadratic_mesh import ELEMENTS
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
@@ -50,7 +50,7 @@ class _Run:
     """The files of one deck's run, and the milestone they belong to."""
 
     frd: Frd
-    convergence: Convergence
+    convergence: RunRecord
     milestone: tuple[float, float]
     element: str
     why_not: str
@@ -116,13 +116,13 @@ def import_calculix(
 
 
 def _read_run(path: str | Path, specimen: Specimen, mesh: PlanarMesh) -> _Run:
-    frd, convergence = read_frd(path), read_convergence(path)
+    frd, convergence = read_frd(path), read_run_record(path)
     milestone, element = _recognised(path, np.divide(frd.points, MILLIMETRES), specimen, mesh)
     why_not = _why_not_reached(milestone, frd, convergence)
     return _Run(frd, convergence, milestone, element, why_not)
 
 
-def _why_not_reached(milestone: tuple[float, float], frd: Frd, convergence: Convergence) -> str:
+def _why_not_reached(milestone: tuple[float, float], frd: Frd, convergence: RunRecord) -> str:
     if convergence.reached >= WHOLE_STEP and frd.is_whole:
         return "" if np.isfinite(frd.displacements).all() else "the .frd file has no displacements"
     failed = convergence.failed_increment

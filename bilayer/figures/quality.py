@@ -100,7 +100,7 @@ def draw_comparison(comparison: xr.Dataset) -> Figure:
             against = of_one["unstable"].values, of_one["touches_itself"].values
             _draw_line(quality, stretch, of_one["quality"].values, k, label)
             mark_caveats(quality, stretch, of_one["quality"].values, *against)
-            height.plot(stretch, MILLIMETRES * of_one["height"].values, **_look(k))
+            height.plot(stretch, MILLIMETRES * of_one["height"].values, **_line_style(k))
         _label_quality(quality)
         height.set_ylabel("height (mm)")
         height.set_ylim(bottom=0)
@@ -125,7 +125,7 @@ def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
             percent = 100 * comparison["rms_distance_over_radius"].values
             label = comparison.attrs["second"]
             stretch = comparison["prestretch"].values
-            axes.semilogy(stretch, percent, label=label, **_look(k))
+            axes.semilogy(stretch, percent, label=label, **_line_style(k))
             mark_caveats(axes, stretch, percent, *_against_either(comparison))
         axes.set_ylabel(f"rms distance to {comparisons[0].attrs['first']} (% of R)")
         _finish(axes)
@@ -152,16 +152,16 @@ def _draw_line(
     axes: Axes, stretch: NDArray[np.float64], quality: NDArray[np.float64], k: int, label: str
 ) -> None:
     """Draw one result, and a cross above the frame where a milestone was not reached."""
-    axes.plot(stretch, quality, label=label, clip_on=False, **_look(k))
+    axes.plot(stretch, quality, label=label, clip_on=False, **_line_style(k))
     missing = stretch[np.isnan(quality)]
     if len(missing):
         axes.plot(missing, np.full(len(missing), 1.03 + 0.05 * k), linestyle="none", marker="x",
-                  markersize=6, markeredgewidth=1.6, color=_look(k)["color"], clip_on=False,
+                  markersize=6, markeredgewidth=1.6, color=_line_style(k)["color"], clip_on=False,
                   transform=axes.get_xaxis_transform(),
                   label=f"{label}, not reached")  # fmt: skip
 
 
-def _look(k: int) -> dict[str, Any]:
+def _line_style(k: int) -> dict[str, Any]:
     return {
         "color": RESULT_COLOURS[k % len(RESULT_COLOURS)],
         "marker": RESULT_MARKERS[k % len(RESULT_MARKERS)],

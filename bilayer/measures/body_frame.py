@@ -61,7 +61,7 @@ def body_frame(mesh: PlanarMesh, position: Array) -> BodyFrame:
     normal = _plane_normal(rim - origin)
     normal = normal * _apex_side(normal, surface, origin, rim)
     carried = _whole_rotation(mesh, position)
-    x = _carried_along(carried.apply([1.0, 0.0, 0.0]), carried.apply([0.0, 0.0, 1.0]), normal)
+    x = _rotate_x_axis(carried.apply([1.0, 0.0, 0.0]), carried.apply([0.0, 0.0, 1.0]), normal)
     return BodyFrame(origin, np.array([x, np.cross(normal, x), normal]))
 
 
@@ -88,7 +88,7 @@ def _whole_rotation(mesh: PlanarMesh, position: Array) -> Rotation:
     return best_rotation(flat.points, position, flat.node_areas)
 
 
-def _carried_along(x: Array, z: Array, normal: Array) -> Array:
+def _rotate_x_axis(x: Array, z: Array, normal: Array) -> Array:
     """Rotate x, perpendicular to z, by the smallest rotation that takes the line of z to `normal`.
 
     For unit vectors it is x - (n.x)/(1 + n.z) (n + z), Rodrigues' formula with x.z = 0. z is

@@ -65,7 +65,7 @@ def flat_disc_distance(flat_radius: float) -> float:
     return flat_radius * math.sqrt(best.fun)
 
 
-def away_from_unit_hemisphere(points: Array) -> Array:
+def vectors_from_unit_hemisphere(points: Array) -> Array:
     """Return the vector to points from the nearest one of the unit sphere's upper half, (n, 3).
 
     Above the plane of the rim it is radial; below, the nearest point is on the rim. From the
@@ -107,8 +107,8 @@ def _distance_at_best(surface: Surface) -> float:
         turn = Rotation.from_euler("XY", [about_x, about_y])
         axes = np.array([[1.0, 0, 0], [0, math.cos(about_x), math.sin(about_x)]])
         from_centre, around = surface.samples - centre, turn.apply(hemisphere)
-        there = turn.apply(away_from_unit_hemisphere(turn.inv().apply(from_centre)))
-        back = nearest.away(centre + around)
+        there = turn.apply(vectors_from_unit_hemisphere(turn.inv().apply(from_centre)))
+        back = nearest.vectors_to(centre + around)
         parts = [
             _distances_as_it_moves(share, there, -1.0, from_centre, axes),
             _distances_as_it_moves(share_back, back, 1.0, around, axes),

@@ -61,7 +61,7 @@ def provenance(result: xr.Dataset) -> str:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
     if NOT_MEASURED in result.attrs:
         lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
-    return "\n".join([*lines, "", result_table(result), "", trust(result)])
+    return "\n".join([*lines, "", result_table(result), "", describe_trust(result)])
 
 
 def _energies(result: xr.Dataset) -> str:
@@ -91,22 +91,22 @@ def _contact_word(gap: float) -> str:
     return "no" if np.isinf(gap) else f"{1e3 * gap:.2f} mm"
 
 
-def trust(result: xr.Dataset) -> str:
+def describe_trust(result: xr.Dataset) -> str:
     """Return a few sentences on the trust that the result deserves."""
     if not result["converged"].values.any():
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
     sentences = [
-        _trust_as_equilibrium(result),
-        _trust_without_contact(result),
+        _describe_equilibrium(result),
+        _describe_contact(result),
         *thickness_warnings(result),
         *law_warnings(result),
     ]
     return " ".join(sentences) + missing
 
 
-def _trust_as_equilibrium(result: xr.Dataset) -> str:
+def _describe_equilibrium(result: xr.Dataset) -> str:
     done = result["converged"].values.astype(bool)
     modes = result["unstable_modes"].values[done]
     residual = result["residual"].values[done].max()
@@ -133,7 +133,7 @@ def law_warnings(result: xr.Dataset) -> list[str]:
     return list(filter(None, warnings))
 
 
-def _trust_without_contact(result: xr.Dataset) -> str:
+def _describe_contact(result: xr.Dataset) -> str:
     """Return the milestones at which the body touches itself, and the first contact, as a text."""
     if "self_contact_gap" not in result:
         return "Self-contact was not looked for when this file was made."

@@ -37,7 +37,7 @@ def solver_named(name: str) -> Solver:
     return solver
 
 
-def settings_kind(solver: str, model: str | None = None) -> type:
+def settings_class(solver: str, model: str | None = None) -> type:
     """Return the settings dataclass of a solver's model; None is the solver's default model."""
     models = solver_named(solver).models
     return models[next(iter(models)) if model is None else one_of("model", model, models)]
@@ -102,7 +102,7 @@ def solve(
     return solve_with(
         chosen,
         asked,
-        settings_kind(solver)() if settings is None else settings,
+        settings_class(solver)() if settings is None else settings,
         mesh=mesh,
         start=_start_of(asked, chosen, start),
         comm=comm,
@@ -151,7 +151,7 @@ def follow(
     return follow_with(
         chosen,
         asked,
-        settings_kind(solver)() if settings is None else settings,
+        settings_class(solver)() if settings is None else settings,
         mesh=mesh,
         start=_start_of(asked, chosen, start),
         comm=comm,

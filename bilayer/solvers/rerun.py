@@ -20,7 +20,7 @@ from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.results.starting import ANOTHER_RESULT, FLAT_START
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.registry import settings_kind, solve, solver_named
+from bilayer.solvers.registry import settings_class, solve, solver_named
 from bilayer.specimen.settings import settings_from
 
 AGREEMENT = 1e-8
@@ -29,7 +29,7 @@ SECONDS = "s"
 """Unit of the times in a result, which no two runs share."""
 
 
-def as_far_as_it_came(result: xr.Dataset) -> xr.Dataset:
+def select_reached_milestones(result: xr.Dataset) -> xr.Dataset:
     """Return a result that was interrupted without the milestones that it did not come to.
 
     Those where a computation failed stay: it is to fail again.
@@ -63,7 +63,7 @@ def rerun(
     InputError
         No solver of ours made it, or its settings are unknown to this version.
     """
-    kind = settings_kind(result.attrs["solver"], result.attrs["model"])
+    kind = settings_class(result.attrs["solver"], result.attrs["model"])
     settings: Any = settings_from(kind, tomllib.loads(result.attrs["settings"]))
     return solve(
         result_specimen(result).with_milestones([(x, y) for x, y in stretches(result)]),
@@ -76,7 +76,7 @@ def rerun(
     )
 
 
-def began_elsewhere(result: xr.Dataset) -> bool:
+def was_started_from_a_result(result: xr.Dataset) -> bool:
     """Whether a result was started from another one, of which it only keeps what it was."""
     return str(result.attrs.get("start", "")).startswith(ANOTHER_RESULT)
 
@@ -99,14 +99,14 @@ def solve_command(result: xr.Dataset, file: str) -> str:
         No solver of ours made it.
     """
     solver, model = result.attrs["solver"], result.attrs["model"]
-    defaults = vars(settings_kind(solver, model)())
+    defaults = vars(settings_class(solver, model)())
     words = ["bilayer", "solve", "again.toml", "--solver", solver, "--model", model]
     for name, value in tomllib.loads(result.attrs["settings"]).items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
     if result.attrs.get("start") == FLAT_START != solver_named(solver).default_start:
         words += ["--start", FLAT_START]
-    if began_elsewhere(result):
+    if was_started_from_a_result(result):
         words += ["--start", "START.nc"]
     return shlex.join([*words, "--mesh", file, "-o", "again.nc"])
 

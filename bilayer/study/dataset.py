@@ -51,7 +51,7 @@ def open_study(path: str | Path) -> xr.Dataset:
         The package dask is missing.
     """
     folder = StudyFolder(path)
-    planned = folder.planned()
+    planned = folder.read_plan()
     entries, fields = planned["cases"], planned["fields"]
     axis = MilestoneAxis.of([entry["milestones"] for entry in entries])
     files = [folder.kept_file(entry["case"]) for entry in entries]
@@ -95,7 +95,9 @@ def _scalar_variables(
     read = [
         None
         if file is None
-        else dask.delayed(_read_aligned)(file, names, axis.places(entry["milestones"]), len(axis))
+        else dask.delayed(_read_milestones)(
+            file, names, axis.places(entry["milestones"]), len(axis)
+        )
         for entry, file in zip(entries, files, strict=True)
     ]
     variables = {}
@@ -122,7 +124,7 @@ def _examples(entries: Sequence[Entry], files: Sequence[Path | None]) -> list[Sc
     return [read_scalars(file) for file in first.values()]
 
 
-def _read_aligned(
+def _read_milestones(
     file: Path, names: Sequence[str], places: NDArray[np.int64], length: int
 ) -> dict[str, NDArray[np.float64]]:
     """Read one file's scalars at their places among all milestones; NaN elsewhere."""

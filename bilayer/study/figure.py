@@ -66,7 +66,7 @@ def draw_study(
         figure = new_figure(5.2, 4.0)
         axes = figure.add_subplot()
         for k, (value, line) in enumerate(lines):
-            look = _look(k, len(lines))
+            look = _line_style(k, len(lines))
             label = y if hue is None else _value_text(hue, value)
             axes.plot(line[x], line[y], label=label, clip_on=False, **look)
         _mark(axes, table, x, y)
@@ -162,7 +162,7 @@ def _mark(axes: Axes, table: pd.DataFrame, x: str, y: str) -> None:
         )  # fmt: skip
 
 
-def _look(k: int, count: int) -> dict[str, Any]:
+def _line_style(k: int, count: int) -> dict[str, Any]:
     marker = RESULT_MARKERS[k % len(RESULT_MARKERS)]
     if count <= len(RESULT_COLOURS):
         return {"color": RESULT_COLOURS[k], "marker": marker}

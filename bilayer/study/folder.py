@@ -141,7 +141,7 @@ class StudyFolder:
             text = json.dumps({"fields": plan.fields, "cases": entries}, indent=1)
             partial.write_text(text, encoding="utf-8")
 
-    def planned(self) -> dict[str, Any]:
+    def read_plan(self) -> dict[str, Any]:
         """Return the plan of `keep_plan`: `fields` and `cases`, whose milestones are pairs.
 
         Raises
@@ -258,7 +258,7 @@ class StudyFolder:
         return recorded is not None and recorded.status == CASE_FAILED
 
     @contextmanager
-    def alone(self) -> Iterator[None]:
+    def lock_for_study(self) -> Iterator[None]:
         """Hold the folder for one study at a time; wait for what a killed one left running.
 
         Raises
@@ -266,7 +266,7 @@ class StudyFolder:
         ComputationError
             Another study is running in the folder.
         """
-        with self._locked(".lock", fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+        with self._hold_lock(".lock", fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
             if not held:
                 raise ComputationError(
                     f"study folder {self.path}: another study is running in it; end that one, "
@@ -276,15 +276,15 @@ class StudyFolder:
             yield
 
     @contextmanager
-    def at_work(self) -> Iterator[None]:
+    def mark_as_working(self) -> Iterator[None]:
         """Mark this process, for as long as it lives, as one that writes into the folder."""
-        with self._locked(".workers", fcntl.LOCK_SH):
+        with self._hold_lock(".workers", fcntl.LOCK_SH):
             yield
 
     def _wait_for_workers(self) -> None:
         told = False
         while True:
-            with self._locked(".workers", fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
+            with self._hold_lock(".workers", fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
                 if free:
                     return
             if not told:
@@ -296,7 +296,7 @@ class StudyFolder:
             time.sleep(0.2)
 
     @contextmanager
-    def _locked(self, name: str, operation: int) -> Iterator[bool]:
+    def _hold_lock(self, name: str, operation: int) -> Iterator[bool]:
         """Hold a lock that ends with this process, whatever ends it; false where it is taken."""
         with (self.path / name).open("a") as lock:
             try:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
-from bilayer.solvers.registry import settings_kind
+from bilayer.solvers.registry import settings_class
 from bilayer.study.folder import CASE_DONE, CASE_FAILED, NoResult, StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 
@@ -34,7 +34,7 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
         early, unfinished, failed, lacks memory, missing), scalars of the result in SI units, the
         `reason` where something is missing, what made it, and the timings.
     """
-    planned = folder.planned()
+    planned = folder.read_plan()
     rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
     return pd.DataFrame(rows)
 
@@ -92,7 +92,7 @@ def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | Non
     if path == folder.unfinished_file(entry["case"]):
         return stored, *_recorded(failure, CASE_UNFINISHED, INTERRUPTED)
     reason = str(stored.attributes["stop_reason"])
-    kind = settings_kind(entry["solver"], entry["model"])
+    kind = settings_class(entry["solver"], entry["model"])
     ended_well = bool(np.all(stored.values["converged"] == 1)) or getattr(
         kind, "stopping_is_a_result", False
     )

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.solvers.registry import SOLVERS, settings_kind, solver_named
+from bilayer.solvers.registry import SOLVERS, settings_class, solver_named
 from bilayer.specimen.settings import settings_from
 from bilayer.specimen.toml import parse_specimen_file
 from bilayer.study.case import Case
@@ -67,10 +67,10 @@ def read_study(path: str | Path) -> StudyPlan:
     settings = _settings_tables(tables.get("settings", {}), solvers)
     varied = _varied_rows(tables)
     _check_fields(varied[0], solvers)
-    return plan_of(specimen_text, solvers, settings, varied)
+    return make_plan(specimen_text, solvers, settings, varied)
 
 
-def plan_of(
+def make_plan(
     specimen_text: str,
     solvers: Sequence[str],
     settings: Mapping[str, Mapping[str, Any]],
@@ -210,7 +210,7 @@ def _case(
         overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
     specimen = parse_specimen_file(specimen_text, overrides, source="the study's specimen")
     model = chosen.pop("model", next(iter(solver_named(solver).models)))
-    kind: Any = settings_kind(solver, model)
+    kind: Any = settings_class(solver, model)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)
 
 

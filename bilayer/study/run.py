@@ -16,7 +16,7 @@ from bilayer.study.index import CASE_STOPPED, read_index, write_index
 from bilayer.study.memory import memory_note, separate_by_memory
 from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import available_cores, compute_in_processes
-from bilayer.study.rank_groups import compute_on_ranks, prepared_by_first
+from bilayer.study.rank_groups import compute_on_ranks, prepare_on_first_rank
 
 
 def run_study(
@@ -66,7 +66,7 @@ def run_study(
     """
     folder = StudyFolder(path)
     folder.make()
-    with folder.alone():
+    with folder.lock_for_study():
         folder.keep_plan(plan)
         waiting = cases_to_compute(plan, folder, retry_failed)
         count = available_cores() if jobs is None else jobs
@@ -77,7 +77,7 @@ def run_study(
         note = memory_note(fitting, count, room)
         if note and notice is not None:
             notice(note)
-        compute_in_processes(fitting, folder, count, room, _teller(fitting, progress))
+        compute_in_processes(fitting, folder, count, room, _progress_reporter(fitting, progress))
         return write_index(folder)
 
 
@@ -111,15 +111,15 @@ def run_study_on_ranks(
 
         def prepare() -> list[Case]:
             folder.make()
-            held.enter_context(folder.alone())
+            held.enter_context(folder.lock_for_study())
             folder.keep_plan(plan)
             return cases_to_compute(plan, folder, retry_failed)
 
-        waiting = prepared_by_first(world, prepare)
-        tell = _teller(waiting, progress if world.Get_rank() == 0 else None)
-        with folder.at_work():
-            compute_on_ranks(world, waiting, folder, ranks_per_case, tell)
-        return prepared_by_first(world, lambda: write_index(folder))
+        waiting = prepare_on_first_rank(world, prepare)
+        report_end = _progress_reporter(waiting, progress if world.Get_rank() == 0 else None)
+        with folder.mark_as_working():
+            compute_on_ranks(world, waiting, folder, ranks_per_case, report_end)
+        return prepare_on_first_rank(world, lambda: write_index(folder))
 
 
 def run_one_case(
@@ -160,7 +160,7 @@ def run_one_case(
         folder.keep_plan(plan)
         return case in cases_to_compute(plan, folder, retry_failed)
 
-    missing = prepare() if world is None else prepared_by_first(world, prepare)
+    missing = prepare() if world is None else prepare_on_first_rank(world, prepare)
     if missing:
         compute_case(case, folder, world)
 
@@ -184,15 +184,15 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
     return sorted(waiting, key=lambda case: (case.identity in suspects, -case.cost))
 
 
-def _teller(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:
+def _progress_reporter(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:
     """Return a function that takes each case that has ended, and reports the progress."""
     ended: list[Case] = []
     whole = sum(case.cost for case in cases)
 
-    def tell(case: Case) -> None:
+    def report_end(case: Case) -> None:
         ended.append(case)
         if progress is not None:
             fraction = sum(case.cost for case in ended) / whole
             progress(fraction, f"{len(ended)} of {len(cases)} cases")
 
-    return tell
+    return report_end

@@ -173,7 +173,7 @@ class Continuation:
             if stable is None:
                 return None
             found = stable
-        self._learn(found)
+        self._record_equilibrium(found)
         return found
 
     def _next_step(self, goal: float) -> float:
@@ -225,7 +225,7 @@ class Continuation:
             if modes <= 0:
                 return replace(found, unstable_modes=modes)
             if is_guided and self._guide is not None:
-                self._guide.distrust(found.parameter, "unstable")
+                self._guide.reject_shape(found.parameter, "unstable")
                 return None
             departure = self._search.leave_unstable(found.state, factors, accepted, reference)
         self._effort += departure.effort
@@ -241,10 +241,10 @@ class Continuation:
         self.control = self._first
         self.predictor = Predictor([(parameter, state)])
 
-    def _learn(self, found: LoadPoint) -> None:
-        self.predictor.learn(found.parameter, found.state)
+    def _record_equilibrium(self, found: LoadPoint) -> None:
+        self.predictor.record_equilibrium(found.parameter, found.state)
         if self._guide is not None:
-            self._guide.learn(found.parameter, found.state)
+            self._guide.record_defect(found.parameter, found.state)
 
     def _take_effort(self, load_steps: int) -> Effort:
         """Return the work since the last call."""

@@ -31,7 +31,7 @@ class GuideRule:
         nearer one is relaxed, too, if Newton's method fails from it.
     relaxed_residual : float
         Residual, over the reference, down to which it is relaxed.
-    elsewhere : float
+    far_from_guess : float
         Largest distance of a solution from its prediction, over the length of the predicted step.
     longest_way : float
         Change of the prestretch up to which a shape is in reach.
@@ -39,7 +39,7 @@ class GuideRule:
 
     far_from_balance: float = 0.5
     relaxed_residual: float = 0.1
-    elsewhere: float = 0.5
+    far_from_guess: float = 0.5
     longest_way: float = LONGEST_WAY
 
 
@@ -59,7 +59,7 @@ class Guide:
 
     Attributes
     ----------
-    left : list of (float, str)
+    rejected : list of (float, str)
         Path parameters of the shapes that were rejected, each with the reason.
     """
 
@@ -76,9 +76,9 @@ class Guide:
         self._states: dict[float, State] = {}
         self.defects: list[tuple[float, Array]] = []
         self.is_trusted = True
-        self.left: list[tuple[float, str]] = []
+        self.rejected: list[tuple[float, str]] = []
 
-    def lead_along(self, shapes: Mapping[float, Array]) -> None:
+    def use_shapes(self, shapes: Mapping[float, Array]) -> None:
         """Use these shapes from now on, and forget those before.
 
         Parameters
@@ -92,10 +92,10 @@ class Guide:
         self,
         defects: Sequence[tuple[float, Array]],
         is_trusted: bool,
-        left: Sequence[tuple[float, str]],
+        rejected: Sequence[tuple[float, str]],
     ) -> None:
         """Restore the defects and rejections of another time."""
-        self.defects, self.is_trusted, self.left = list(defects), is_trusted, list(left)
+        self.defects, self.is_trusted, self.rejected = list(defects), is_trusted, list(rejected)
 
     def propose_step(self, here: float, goal: float) -> float | None:
         """Return the parameter of the farthest shape in reach; None if no shape is to be used."""
@@ -111,7 +111,7 @@ class Guide:
     ) -> tuple[NewtonOutcome, Effort]:
         """Step from an equilibrium to a shape, whose loads already act.
 
-        If the step is rejected, no further one is proposed until `learn`.
+        If the step is rejected, no further one is proposed until `record_defect`.
 
         Parameters
         ----------
@@ -135,23 +135,23 @@ class Guide:
             guess = relaxed.state
             outcome = self._newton.solve(guess, accepted)
             effort += Effort(relaxed.iterations + outcome.iterations)
-        if outcome.converged and self._is_elsewhere(before, guess, outcome.state):
+        if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
             outcome = replace(outcome, converged=False, reason="another branch")
         if not outcome.converged:
-            self.distrust(there, outcome.reason)
+            self.reject_shape(there, outcome.reason)
         return outcome, effort
 
-    def _is_elsewhere(self, before: State, predicted: State, found: State) -> bool:
+    def _is_far_from_guess(self, before: State, predicted: State, found: State) -> bool:
         """Whether a solution is so far from its prediction that it is on another branch."""
         norm = self._newton.solid.displacement_norm
-        return norm(found - predicted) > self._rule.elsewhere * norm(before - predicted)
+        return norm(found - predicted) > self._rule.far_from_guess * norm(before - predicted)
 
-    def distrust(self, there: float, reason: str) -> None:
+    def reject_shape(self, there: float, reason: str) -> None:
         """Propose no step until the equilibrium at one of the shapes is known; note the reason."""
         self.is_trusted = False
-        self.left.append((there, reason))
+        self.rejected.append((there, reason))
 
-    def learn(self, parameter: float, state: State) -> None:
+    def record_defect(self, parameter: float, state: State) -> None:
         """Record the defect of the shape at a parameter, if there is one."""
         if parameter in self._shapes:
             defect = state - self._state_at(parameter)

@@ -62,7 +62,7 @@ class SolidLinearisation:
 
     def _residual(self, specimen: Specimen, stretch: Stretch) -> Array:
         place = LoadPlace(stretch, self._place.weight, self._place.imperfection)
-        with self._body.made_of(specimen, place):
+        with self._body.use_specimen(specimen, place):
             return self._numbering.gather(self._newton.residual(self._state))
 
     def position_by(self, parameter: str) -> Array:

@@ -69,7 +69,7 @@ class SavedPath:
             continuation.control.failures,
             list(guide.defects),
             guide.is_trusted,
-            list(guide.left),
+            list(guide.rejected),
             shapes,
             start,
         )

@@ -32,9 +32,9 @@ from fenics_model.release.effort_fields import effort_dataset
 from fenics_model.release.linearisation import SolidLinearisation
 from fenics_model.release.saved_path import SavedPath
 from fenics_model.release.specimen_solid import (
+    asymmetric_lift,
     held_points,
     make_solid,
-    uneven_lift,
 )
 from fenics_model.release.volume_fields import volume_dataset
 from fenics_model.settings import SolidSettings
@@ -237,7 +237,7 @@ class SolidPath:
             self._newton,
             flow,
             first_distance=FIRST_DISTANCE * carrier.thickness,
-            side=uneven_lift(self.body),
+            side=asymmetric_lift(self.body),
             rule=SearchRule(choice=settings.branch),
         )
 
@@ -253,7 +253,7 @@ class SolidPath:
         """The source of the initial guesses, and the shapes that were rejected."""
         left = [
             f"not followed to {max(self.loads.stretch(parameter)):.6g} ({reason}): load steps"
-            for parameter, reason in self._guide.left
+            for parameter, reason in self._guide.rejected
         ]
         return "; ".join([self._start, *left])
 
@@ -276,7 +276,7 @@ class SolidPath:
         if self.loads.turns_back:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
             shapes = {}
-        self._guide.lead_along(shapes)
+        self._guide.use_shapes(shapes)
         for point in self._continuation.approach(goal):
             yield SolidEquilibrium(self, point)
 

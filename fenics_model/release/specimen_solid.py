@@ -69,7 +69,7 @@ class SpecimenSolid:
             layer.natural.value = natural_state(bonded.stretch, rule)
 
     @contextmanager
-    def made_of(self, specimen: Specimen, place: LoadPlace) -> Iterator[None]:
+    def use_specimen(self, specimen: Specimen, place: LoadPlace) -> Iterator[None]:
         """Be another specimen of the same mesh meanwhile, then what it was before."""
         constants = list(self._constants())
         before = [constant.value.copy() for constant in constants]
@@ -97,10 +97,10 @@ class SpecimenSolid:
             set_law(layer.energy, own)
 
     def _drawn(self, specimen: Specimen) -> VolumeMesh:
-        return extruded(specimen, self.mesh, self.settings)
+        return extrude_layers(specimen, self.mesh, self.settings)
 
 
-def uneven_lift(body: SpecimenSolid) -> NDArray[np.float64]:
+def asymmetric_lift(body: SpecimenSolid) -> NDArray[np.float64]:
     """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
 
     Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
@@ -147,7 +147,7 @@ def make_solid(
     natural thickness by one rule and the bonded one by the other.
     """
     layers = layers_on(specimen, mesh)
-    layered = LayeredMesh(extruded(specimen, mesh, settings), comm)
+    layered = LayeredMesh(extrude_layers(specimen, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
     densities = tuple(_constant(layered, layer.density) for layer in layers)
     parts = []
@@ -169,7 +169,7 @@ def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
     return [layer for layer in specimen.layers if len(mesh.faces_of(layer.name))]
 
 
-def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+def extrude_layers(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
     """Extrude the planar mesh, each layer where it lies, the reference surface at z = 0."""
     layers = layers_on(specimen, mesh)
     slabs = [

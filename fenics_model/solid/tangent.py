@@ -59,11 +59,11 @@ class ExtrapolatedTangent:
         linearised = stress + ufl.derivative(stress, self._state, self._change)
         return at_state(linearised, self._state, self._last)
 
-    def forget(self) -> None:
+    def reset_extrapolation(self) -> None:
         """Make the next tangent the exact one."""
         self._latest = None
 
-    def advance(self) -> None:
+    def move_linearisation_point(self) -> None:
         """Extrapolate the stress from where the last tangent was taken to the present state."""
         now = self._state.x.array.copy()
         last = now if self._latest is None else self._latest

@@ -9,7 +9,7 @@ from hexagon import hexagon_mesh, hexagon_specimen
 
 from bilayer import InputError, open_result, specimen_to_toml, write_planar_mesh
 from bilayer.calculix.deck import choose_nodes_under_kirigami
-from bilayer.calculix.files import read_convergence, read_frd
+from bilayer.calculix.files import read_frd, read_run_record
 from bilayer.calculix.result import import_calculix
 from bilayer.cli.main import main
 from bilayer.geometry.surface import Surface
@@ -75,7 +75,7 @@ def test_the_released_hexagon_bends_and_its_bond_shrinks(result):
 
 
 def test_increments_and_iterations_are_counted(result):
-    run = read_convergence(KEPT / "hexagon_1.06.frd")
+    run = read_run_record(KEPT / "hexagon_1.06.frd")
     assert (run.increments, run.iterations, run.reached) == (21, 136, 1.0)
     assert run.failed_increment is None  # though two attempts failed and were repeated
     assert int(result["load_steps"][0]) == 21
