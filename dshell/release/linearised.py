@@ -14,7 +14,7 @@ from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import central_difference
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Assembly, Energy, deform
-from dshell.models.interface import bonded_interface_gradient
+from dshell.models.offset_surface import offset_surface_gradient
 from dshell.release.specimen_shell import SpecimenShell, Stretch
 from dshell.solve.linear_solver import Factor, NotPositiveDefiniteError, best_linear_solver
 
@@ -71,9 +71,9 @@ class LinearisedShell:
         mesh, gradient = shell.mesh, position_gradient
         if shell.specimen.gravity == 0:
             flat = flat_surface(mesh)
-            shape = shell.interface(stretch, self._state)
+            shape = shell.reference_surface(stretch, self._state)
             gradient = align_gradient(shape, flat.points, flat.node_areas, gradient)
-        by_surface = bonded_interface_gradient(
+        by_surface = offset_surface_gradient(
             shell.surface(self._state),
             mesh.triangles,
             mesh.areas,

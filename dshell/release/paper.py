@@ -21,8 +21,8 @@ from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedEr
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
-from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
+from dshell.models.offset_surface import offset_surface
 from dshell.models.paper_rest_state import Ramp, rest_state
 from dshell.release.effort import NO_EFFORT, ShellEffort
 from dshell.release.specimen_path import VERSIONS
@@ -78,9 +78,9 @@ class PaperShape:
 
     @property
     def position(self) -> Array:
-        """The bonded interface, m, shape (n, 3)."""
+        """The reference surface, m, shape (n, 3)."""
         mesh, height = self.run.mesh, self.run.thickness / 2
-        return bonded_interface(self.motion.position, mesh.triangles, mesh.areas, height)
+        return offset_surface(self.motion.position, mesh.triangles, mesh.areas, height)
 
     @property
     def energy(self) -> Mapping[str, float]:
@@ -121,7 +121,7 @@ class PaperPath:
     specimen : Specimen
         What to release; the settings' thickness rule takes the place of its own.
     mesh : PlanarMesh
-        The flat bonded interface.
+        The flat reference surface.
     settings : PaperSettings
         What the paper leaves open.
 

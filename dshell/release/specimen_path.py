@@ -37,7 +37,7 @@ class Beginning:
     Parameters
     ----------
     shape : (n, 3) array of float or None
-        The bonded interface that leads to the first target, m; None: the flat state does.
+        The reference surface that leads to the first target, m; None: the flat state does.
     text : str
         Where it comes from, in a line.
     """
@@ -96,7 +96,7 @@ class ShellEquilibrium:
 
     @cached_property
     def position(self) -> Array:
-        """The bonded interface, m, shape (n, 3)."""
+        """The reference surface, m, shape (n, 3)."""
         return self._shell.position(self.stretch, self.state)
 
     @property

@@ -14,8 +14,8 @@ from bilayer.geometry.alignment import align, move_onto_held_points
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
-from dshell.models.interface import bonded_interface
 from dshell.models.masses import lumped_masses
+from dshell.models.offset_surface import offset_surface
 from dshell.release.rigid_motion import choose_held_nodes, held_coordinates
 from dshell.solve.newton import Body
 
@@ -124,27 +124,27 @@ class SpecimenShell:
         """Return the nodes of the model's surface, m, shape (n, 3)."""
         return state[: 3 * len(self.mesh.points)].reshape(-1, 3)
 
-    def interface(self, stretch: Stretch, state: Array) -> Array:
-        """Return the bonded interface where the nodes are held, m, shape (n, 3)."""
+    def reference_surface(self, stretch: Stretch, state: Array) -> Array:
+        """Return the reference surface where the nodes are held, m, shape (n, 3)."""
         mesh, height = self.mesh, self.model.bond_height(stretch)
-        return bonded_interface(self.surface(state), mesh.triangles, mesh.areas, height)
+        return offset_surface(self.surface(state), mesh.triangles, mesh.areas, height)
 
     def position(self, stretch: Stretch, state: Array) -> Array:
-        """Return the bonded interface as a result has it, m, shape (n, 3).
+        """Return the reference surface as a result has it, m, shape (n, 3).
 
         A shape without weight has no orientation of its own: it is turned to lie on the flat sheet
         as well as it can, and not as the held nodes happen to tilt it.
         """
-        shape = self.interface(stretch, state)
+        shape = self.reference_surface(stretch, state)
         if self.specimen.gravity > 0:
             return shape
         flat = flat_surface(self.mesh)
         return align(shape, flat.points, flat.node_areas)
 
     def state_near(self, bond: Array, stretch: Stretch) -> Array:
-        """Return the state whose bonded interface is near a given one, in any position."""
+        """Return the state whose reference surface is near a given one, in any position."""
         mesh, depth = self.mesh, -self.model.bond_height(stretch)
-        surface = bonded_interface(bond, mesh.triangles, mesh.areas, depth)
+        surface = offset_surface(bond, mesh.triangles, mesh.areas, depth)
         return self._state_of(move_onto_held_points(surface, mesh.points, self._held_nodes))
 
     def _state_of(self, nodes: Array) -> Array:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from bilayer.solvers.parameters import central_difference, parameter_value
 from bilayer.specimen.specimen import Specimen
-from fenics_model.path.release_path import LoadPlace, Stretch
+from fenics_model.path.load_schedule import LoadPlace, Stretch
 from fenics_model.release.specimen_solid import SpecimenSolid
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State

@@ -10,8 +10,8 @@ from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Saved
 from fenics_model.path.continuation import Continuation
 from fenics_model.path.guide import Guide
+from fenics_model.path.load_schedule import LoadSchedule, Stretch
 from fenics_model.path.predictor import Predictor
-from fenics_model.path.release_path import ReleasePath, Stretch
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State
 
@@ -34,8 +34,8 @@ class SavedPath:
         Of the guide, by parameter.
     is_trusted : bool
         Whether the guide is.
-    left : sequence of (float, str)
-        Shapes that were not followed, see `Guide.left`.
+    rejected : sequence of (float, str)
+        Shapes that were not followed, see `Guide.rejected`.
     shapes : StartShapes or None
         Which lead the way.
     start : str
@@ -48,7 +48,7 @@ class SavedPath:
     failures: int
     defects: Sequence[tuple[float, Array]]
     is_trusted: bool
-    left: Sequence[tuple[float, str]]
+    rejected: Sequence[tuple[float, str]]
     shapes: StartShapes | None
     start: str
 
@@ -57,7 +57,7 @@ class SavedPath:
         cls,
         continuation: Continuation,
         guide: Guide,
-        loads: ReleasePath,
+        loads: LoadSchedule,
         shapes: StartShapes | None,
         start: str,
     ) -> "SavedPath":
@@ -78,7 +78,7 @@ class SavedPath:
         """Put continuation and guide where they were."""
         continuation.predictor = Predictor(self.equilibria)
         continuation.control = replace(continuation.control, size=self.step, failures=self.failures)
-        guide.restore(self.defects, self.is_trusted, self.left)
+        guide.restore(self.defects, self.is_trusted, self.rejected)
 
     def as_arrays(self, numbering: Numbering) -> dict[str, NDArray[np.generic]]:
         """Return it by name, the same on every rank; what is empty is left out."""
@@ -91,8 +91,8 @@ class SavedPath:
             "defect_parameter": np.array([t for t, _ in self.defects]),
             "defect": _stack([numbering.gather(change) for _, change in self.defects]),
             "guide_is_trusted": np.array([int(self.is_trusted)]),
-            "left_parameter": np.array([t for t, _ in self.left]),
-            "left_reason": np.array([reason for _, reason in self.left], dtype=str),
+            "left_parameter": np.array([t for t, _ in self.rejected]),
+            "left_reason": np.array([reason for _, reason in self.rejected], dtype=str),
             "start": np.array([self.start]),
         }
         if self.shapes is not None:

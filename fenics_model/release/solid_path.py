@@ -24,7 +24,7 @@ from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcom
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
-from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath, Stretch
+from fenics_model.path.load_schedule import WEIGHT_WAY, LoadSchedule, Stretch
 from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.branch_fields import branch_dataset
@@ -175,7 +175,7 @@ class SolidPath:
         start: str,
     ) -> None:
         self.body = make_solid(specimen, mesh, settings, comm)
-        self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
+        self.loads = LoadSchedule(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
         self._nodes = choose_held_nodes(mesh.points, specimen.gravity, mesh.centroid)

@@ -18,7 +18,7 @@ from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
-from fenics_model.path.release_path import LoadPlace, Stretch
+from fenics_model.path.load_schedule import LoadPlace, Stretch
 from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor

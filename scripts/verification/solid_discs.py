@@ -14,7 +14,7 @@ from bilayer.specimen.support import choose_nodes_inside
 from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.branches.buckling_modes import least_stiffness
-from fenics_model.path.release_path import ReleasePath
+from fenics_model.path.load_schedule import LoadSchedule
 from fenics_model.release.specimen_solid import held_points, make_solid
 from verification import bilayers
 from verification.bilayers import RADIUS, Cap
@@ -84,7 +84,7 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     specimen = disc(mismatches, size)
     mesh = generate_mesh(specimen)
     body = make_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
-    solid, loads = body.solid, ReleasePath(specimen.prestretch.milestones)
+    solid, loads = body.solid, LoadSchedule(specimen.prestretch.milestones)
     held = held_points(choose_nodes_inside(mesh.points), solid.mesh.volume)
     found = []
     with newton_of(solid, solid.held_points(held)) as newton:

@@ -20,7 +20,7 @@ from bilayer import LinearElastic, MooneyRivlin
 from bilayer.geometry.alignment import align
 from bilayer.specimen.layer import Response
 from bilayer.specimen.support import choose_nodes_inside
-from fenics_model.path.release_path import ReleasePath
+from fenics_model.path.load_schedule import LoadSchedule
 from fenics_model.release.specimen_solid import held_points, natural_state
 
 SIDE, THICKNESS = 4e-2, 1e-3
@@ -37,7 +37,7 @@ def test_free_release(law, stretch, angle, rule):
     volume = stacked(mesh, [THICKNESS])
     solid = solid_of(volume, [law])
     held = solid.held_points(held_points(choose_nodes_inside(mesh.points), volume))
-    path, response = ReleasePath([(1.1, 1.05), stretch]), Response("path", angle=angle)
+    path, response = LoadSchedule([(1.1, 1.05), stretch]), Response("path", angle=angle)
 
     def load(parameter):
         tensor = response.tensor(path.stretch(parameter))

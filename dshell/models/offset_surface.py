@@ -1,4 +1,4 @@
-"""From the shell's own surface, such as the substrate's mid-plane, to the bonded interface."""
+"""From the shell's own surface, such as the substrate's mid-plane, to the reference surface."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,10 +8,10 @@ from dshell.energies.topology import sum_at_nodes
 Array = NDArray[np.float64]
 
 
-def bonded_interface(
+def offset_surface(
     position: Array, triangles: NDArray[np.int64], flat_areas: Array, height: Array | float
 ) -> Array:
-    """Return the bonded interface over a deformed surface.
+    """Return the surface at a height over a deformed surface.
 
     Each node moves along the area-weighted upward normal of its triangles. What lies between keeps
     its volume, so the way is that of the flat bonded state divided by the area stretch of those
@@ -26,8 +26,8 @@ def bonded_interface(
     flat_areas : (m,) array of float
         Areas in the flat bonded state, m2.
     height : float or (n,) array of float
-        Of the bond above the surface in the flat bonded state, m: half the substrate's thickness
-        over its mid-plane, or, where the substrate is the upper layer, under it.
+        Height above the surface in the flat bonded state, m. The bond is half the substrate's
+        thickness over its mid-plane, or under it if the substrate is the upper layer.
     """
     a, b, c = np.moveaxis(position[triangles], 1, 0)
     area_vectors = 0.5 * np.cross(b - a, c - a)
@@ -38,21 +38,21 @@ def bonded_interface(
     return position + (height / stretch)[:, None] * normals
 
 
-def bonded_interface_gradient(
+def offset_surface_gradient(
     position: Array,
     triangles: NDArray[np.int64],
     flat_areas: Array,
     height: Array | float,
     gradient: Array,
 ) -> Array:
-    """Return the gradient by the surface of a function whose gradient by the interface is given.
+    """Return the gradient by the surface of a function whose gradient by the offset one is given.
 
     Parameters
     ----------
     position, triangles, flat_areas, height
-        As those of `bonded_interface`.
+        As those of `offset_surface`.
     gradient : (n, 3) array of float
-        Derivative of a number by the interface.
+        Derivative of a number by the offset surface.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The load path: from the unstretched flat state through the targets of the prestretch.
+"""The loads along a path: from the unstretched flat state through the targets of the prestretch.
 
 Its parameter is the length of the way so far, measured by the change of the prestretch; so it grows
 also on the way down. The true weight comes on before the prestretch, over a way of its own. The
@@ -35,7 +35,7 @@ class LoadPlace:
     imperfection: float
 
 
-class ReleasePath:
+class LoadSchedule:
     """Piecewise linear path of (lambda_x, lambda_y) from (1, 1) through targets in any order.
 
     Parameters
