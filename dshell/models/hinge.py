@@ -41,6 +41,6 @@ class HingeModel:
         """Return the energies of stretching and of bending, J."""
         return total_energies(self.energies(stretch), state)
 
-    def bond_height(self, stretch: tuple[float, float]) -> float:
+    def reference_height(self, stretch: tuple[float, float]) -> float:
         """Return 0: the flat lattice is the flat bond, whichever neutral axis lies where."""
         return 0.0

@@ -50,13 +50,13 @@ class MorleyModel:
         laminate = self._laminate(stretch)
         return [faces.with_laminate(laminate.part(block)) for block, faces in self._blocks]
 
-    def bond_height(self, stretch: tuple[float, float]) -> float:
+    def reference_height(self, stretch: tuple[float, float]) -> float:
         """Return the height of the reference surface above the shell's own, flat, m.
 
         The shell's own surface is the mid-plane of the carrier, see `Specimen.carrier`; that of
         anything but a bilayer is the reference surface itself.
         """
-        return -reference_height(self._specimen, stretch)
+        return -surface_height(self._specimen, stretch)
 
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energy of each layer, J."""
@@ -79,14 +79,14 @@ def specimen_layers(
     stretch : (float, float)
         (lambda_x, lambda_y) of the prestretch.
     """
-    reference = reference_height(specimen, stretch)
+    surface = surface_height(specimen, stretch)
     parts = [(part, mesh.faces_of(part.name)) for part in specimen.bonded_layers(stretch)]
     return [
         ShellLayer(
             part.name,
             plane_stress_law(part.layer.material),
-            part.bottom - reference,
-            part.top - reference,
+            part.bottom - surface,
+            part.top - surface,
             np.array(part.stretch),
             None if len(faces) == len(mesh.triangles) else faces,
         )
@@ -95,7 +95,7 @@ def specimen_layers(
     ]
 
 
-def reference_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
+def surface_height(specimen: Specimen, stretch: tuple[float, float]) -> float:
     """Return the height of the shell's surface above the reference surface, m.
 
     The shell's surface is the mid-plane of the carrier in the flat bonded state.

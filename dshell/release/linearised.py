@@ -14,7 +14,7 @@ from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import central_difference
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Assembly, Energy, deform
-from dshell.models.offset_surface import offset_surface_gradient
+from dshell.models.reference_surface import reference_surface_gradient
 from dshell.release.specimen_shell import SpecimenShell, Stretch
 from dshell.solve.linear_solver import Factor, NotPositiveDefiniteError, best_linear_solver
 
@@ -73,11 +73,11 @@ class LinearisedShell:
             flat = flat_surface(mesh)
             shape = shell.reference_surface(stretch, self._state)
             gradient = align_gradient(shape, flat.points, flat.node_areas, gradient)
-        by_surface = offset_surface_gradient(
+        by_surface = reference_surface_gradient(
             shell.surface(self._state),
             mesh.triangles,
             mesh.areas,
-            shell.model.bond_height(stretch),
+            shell.model.reference_height(stretch),
             gradient,
         )
         by_state = np.zeros_like(self._state)

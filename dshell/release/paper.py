@@ -22,8 +22,8 @@ from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
 from dshell.models.masses import lumped_masses
-from dshell.models.offset_surface import offset_surface
 from dshell.models.paper_rest_state import Ramp, rest_state
+from dshell.models.reference_surface import reference_surface_over
 from dshell.release.effort import NO_EFFORT, ShellEffort
 from dshell.release.specimen_path import VERSIONS
 from dshell.release.specimen_shell import UNSTRETCHED, Stretch
@@ -80,7 +80,7 @@ class PaperShape:
     def position(self) -> Array:
         """The reference surface, m, shape (n, 3)."""
         mesh, height = self.run.mesh, self.run.thickness / 2
-        return offset_surface(self.motion.position, mesh.triangles, mesh.areas, height)
+        return reference_surface_over(self.motion.position, mesh.triangles, mesh.areas, height)
 
     @property
     def energy(self) -> Mapping[str, float]:

@@ -15,7 +15,7 @@ from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
 from dshell.models.masses import lumped_masses
-from dshell.models.offset_surface import offset_surface
+from dshell.models.reference_surface import reference_surface_over
 from dshell.release.rigid_motion import choose_held_nodes, held_coordinates
 from dshell.solve.newton import Body
 
@@ -26,7 +26,7 @@ UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
-"""Distance by which an unstable equilibrium is left, over the substrate's thickness."""
+"""Distance by which an unstable equilibrium is left, over the carrier's thickness."""
 
 
 class ShellModel(Protocol):
@@ -38,8 +38,8 @@ class ShellModel(Protocol):
     def energies(self, stretch: Stretch) -> Sequence[Energy]:
         """Return the energies at a prestretch, always on the same stencils."""
 
-    def bond_height(self, stretch: Stretch) -> Array | float:
-        """Return the height of the bond above the nodes in the flat state, m, shape (n,) or ()."""
+    def reference_height(self, stretch: Stretch) -> Array | float:
+        """Return the flat height of the reference surface above the nodes, m, shape (n,) or ()."""
 
     def energy_terms(self, stretch: Stretch, state: Array) -> Mapping[str, float]:
         """Return the energies that a result lists, J."""
@@ -126,8 +126,8 @@ class SpecimenShell:
 
     def reference_surface(self, stretch: Stretch, state: Array) -> Array:
         """Return the reference surface where the nodes are held, m, shape (n, 3)."""
-        mesh, height = self.mesh, self.model.bond_height(stretch)
-        return offset_surface(self.surface(state), mesh.triangles, mesh.areas, height)
+        mesh, height = self.mesh, self.model.reference_height(stretch)
+        return reference_surface_over(self.surface(state), mesh.triangles, mesh.areas, height)
 
     def position(self, stretch: Stretch, state: Array) -> Array:
         """Return the reference surface as a result has it, m, shape (n, 3).
@@ -141,10 +141,10 @@ class SpecimenShell:
         flat = flat_surface(self.mesh)
         return align(shape, flat.points, flat.node_areas)
 
-    def state_near(self, bond: Array, stretch: Stretch) -> Array:
+    def state_near(self, shape: Array, stretch: Stretch) -> Array:
         """Return the state whose reference surface is near a given one, in any position."""
-        mesh, depth = self.mesh, -self.model.bond_height(stretch)
-        surface = offset_surface(bond, mesh.triangles, mesh.areas, depth)
+        mesh, depth = self.mesh, -self.model.reference_height(stretch)
+        surface = reference_surface_over(shape, mesh.triangles, mesh.areas, depth)
         return self._state_of(move_onto_held_points(surface, mesh.points, self._held_nodes))
 
     def _state_of(self, nodes: Array) -> Array:

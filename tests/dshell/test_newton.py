@@ -126,7 +126,7 @@ class GrownMiddle:
     def energy_terms(self, stretch, state):
         return {}
 
-    def bond_height(self, stretch):
+    def reference_height(self, stretch):
         return 0.0
 
 

@@ -80,7 +80,7 @@ def test_both_layers_stretched_alike_stay_flat_and_shrink(released, coarse_mesh,
 def test_the_layers_meet_at_the_bond(coarse_specimen, coarse_mesh, side, layers):
     specimen = bilayer_with(coarse_specimen, layers, side)
     lower, upper = specimen_layers(specimen, coarse_mesh, STRETCH)
-    bond = MorleyModel(specimen, coarse_mesh, MorleySettings()).bond_height(STRETCH)
+    bond = MorleyModel(specimen, coarse_mesh, MorleySettings()).reference_height(STRETCH)
     assert lower.top == upper.bottom == pytest.approx(bond)
 
 

@@ -15,7 +15,7 @@ from bilayer.specimen.outline import Ellipse, Polygon, Rectangle
 from bilayer.specimen.pattern import Polygons
 from dshell import HingeSettings, MorleySettings, PaperSettings
 from dshell.models.masses import lumped_masses
-from dshell.models.offset_surface import offset_surface
+from dshell.models.reference_surface import reference_surface_over
 
 EXACT = MorleySettings(tolerance=1e-10)
 THIN = 0.05 * R
@@ -116,7 +116,7 @@ def test_a_layer_cut_in_two_through_its_thickness_is_the_same_layer():
     mesh = generate_mesh(two)
     bond, middle = released(two, mesh), released(three, generate_mesh(three))
     height = two.bonded_layer("substrate", (1.05, 1.02)).thickness / 2
-    top = offset_surface(middle, mesh.triangles, mesh.areas, height)
+    top = reference_surface_over(middle, mesh.triangles, mesh.areas, height)
     assert np.ptp(bond[:, 2]) > 0.1 * R
     assert distance(top, bond, mesh) < 1e-9
 

@@ -1,4 +1,7 @@
-"""From the shell's own surface, such as the substrate's mid-plane, to the reference surface."""
+"""From the shell's own surface, such as the substrate's mid-plane, to the reference surface.
+
+That is the surface whose place a result tells: see `Specimen.reference_surface`.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,10 +11,10 @@ from dshell.energies.topology import sum_at_nodes
 Array = NDArray[np.float64]
 
 
-def offset_surface(
+def reference_surface_over(
     position: Array, triangles: NDArray[np.int64], flat_areas: Array, height: Array | float
 ) -> Array:
-    """Return the surface at a height over a deformed surface.
+    """Return the reference surface over a deformed surface.
 
     Each node moves along the area-weighted upward normal of its triangles. What lies between keeps
     its volume, so the way is that of the flat bonded state divided by the area stretch of those
@@ -26,8 +29,9 @@ def offset_surface(
     flat_areas : (m,) array of float
         Areas in the flat bonded state, m2.
     height : float or (n,) array of float
-        Height above the surface in the flat bonded state, m. The bond is half the substrate's
-        thickness over its mid-plane, or under it if the substrate is the upper layer.
+        Of the reference surface above the other in the flat bonded state, m: for the bond half
+        the substrate's thickness over its mid-plane or, if the substrate is the upper layer,
+        under it.
     """
     a, b, c = np.moveaxis(position[triangles], 1, 0)
     area_vectors = 0.5 * np.cross(b - a, c - a)
@@ -38,26 +42,26 @@ def offset_surface(
     return position + (height / stretch)[:, None] * normals
 
 
-def offset_surface_gradient(
+def reference_surface_gradient(
     position: Array,
     triangles: NDArray[np.int64],
     flat_areas: Array,
     height: Array | float,
     gradient: Array,
 ) -> Array:
-    """Return the gradient by the surface of a function whose gradient by the offset one is given.
+    """Return the gradient by a surface, given that by the reference surface over it.
 
     Parameters
     ----------
     position, triangles, flat_areas, height
-        As those of `offset_surface`.
+        As those of `reference_surface_over`.
     gradient : (n, 3) array of float
-        Derivative of a number by the offset surface.
+        Derivative of a number by the reference surface.
 
     Returns
     -------
     (n, 3) array of float
-        Its derivative by the surface.
+        Its derivative by the surface below.
     """
     a, b, c = np.moveaxis(position[triangles], 1, 0)
     area_vectors = 0.5 * np.cross(b - a, c - a)
