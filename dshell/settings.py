@@ -6,14 +6,12 @@ from typing import ClassVar
 
 from bilayer.errors import InputError
 from bilayer.specimen.prestretch import BONDED_THICKNESS_RULES
-from bilayer.specimen.settings import setting
+from bilayer.specimen.settings import BRANCH_CHOICES, setting
 from bilayer.validation import fraction, keep, not_negative, one_of, positive, whole
 from dshell.energies.through_thickness import PROFILES
 
-METHODS = ("static", "dynamic")
+METHOD_NAMES = ("static", "dynamic")
 """Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
-BRANCHES = ("lowest", "other", "unstable")
-"""Branches to follow after an unstable equilibrium, see `dshell.release.branches`."""
 MOST_TIME_STEPS = 10_000_000
 
 
@@ -58,8 +56,8 @@ class ReleaseSettings:
     )
 
     def __post_init__(self) -> None:
-        keep(self, one_of, "method", table="solver.", choices=METHODS)
-        keep(self, one_of, "branch", table="solver.", choices=tuple(BRANCHES))
+        keep(self, one_of, "method", table="solver.", choices=METHOD_NAMES)
+        keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         _keep_times(self)
         keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")
         keep(self, whole, "max_iterations", table="solver.", at_least=1)

@@ -14,6 +14,7 @@ from bilayer.results.starting import FLAT_START, describe_run, describe_start, s
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.solvers.run import solve_with
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
@@ -22,7 +23,7 @@ from dshell.release.coarse_start import coarse_mesh, prolong_shape
 from dshell.release.dynamic import DynamicPath, MotionLimits
 from dshell.release.paper import PaperPath
 from dshell.release.specimen_path import Begin, Beginning, ShellPath
-from dshell.release.specimen_shell import UNSTRETCHED, ShellModel, SpecimenShell, Stretch
+from dshell.release.specimen_shell import ShellModel, SpecimenShell
 from dshell.release.static import StaticPath, StepLimits, equilibrium_solver
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
 from dshell.solve.linear_solver import best_linear_solver
@@ -112,7 +113,7 @@ def _shell_path(
         settings.ramp,
         settings.smallest_step,
     )
-    path: StaticPath[Stretch]
+    path: StaticPath[StretchPair]
     if settings.method == "dynamic":
         motion = MotionLimits(settings.total_time, settings.time_step, settings.damping_rate)
         path = DynamicPath(shell, motion, limits, solver, branch)
@@ -128,7 +129,7 @@ def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
     return partial(HingeModel, mesh=mesh)
 
 
-def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: Stretch) -> Beginning:
+def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: StretchPair) -> Beginning:
     """Return the shape of another result that leads to the first target."""
     return Beginning(starting_shape(start, mesh, target), describe_start(start))
 
@@ -138,7 +139,7 @@ def _coarse_beginning(
     mesh: PlanarMesh,
     settings: ReleaseSettings,
     progress: Progress | None,
-    target: Stretch,
+    target: StretchPair,
 ) -> Beginning:
     """Return the shape on a coarse mesh, or none, that leads to the first target."""
     coarse = _coarse_result(specimen.with_milestones([target]), mesh, settings, progress)

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 from bilayer.errors import InputError
-from bilayer.specimen.settings import setting
+from bilayer.specimen.settings import BRANCH_CHOICES, setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
 from bilayer.validation import finite, fraction, keep, one_of, positive, whole
 
 BYTES_PER_TRIANGLE = 300_000
 """Memory of the matrix and its factors, one element through each of two layers (measured: 225 kB
 per triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
-
-BRANCHES = ("lowest", "other", "unstable")
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class SolidSettings:
         keep(self, positive, "first_step", "smallest_step", "largest_step", table="solver.")
         keep(self, fraction, "tolerance", "path_tolerance", table="solver.")
         keep(self, finite, "imperfection", table="solver.")
-        keep(self, one_of, "branch", table="solver.", choices=BRANCHES)
+        keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(

@@ -40,7 +40,7 @@ from bilayer.specimen.toml import specimen_to_toml
 from bilayer.specimen.two_layers import LAYERS, TwoLayers
 from bilayer.validation import finite, keep, one_of, positive
 
-MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
+MM_PER_M, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
 
 
 @dataclass(frozen=True)
@@ -227,7 +227,7 @@ def _ascii(text: str) -> str:
 
 def _mesh_of(part: _Part) -> Iterator[str]:
     yield f"*NODE, NSET=N{part.name}"
-    places: Any = (MILLIMETRES * part.drawn.points).tolist()
+    places: Any = (MM_PER_M * part.drawn.points).tolist()
     for number, place in enumerate(places, start=part.first_node):
         yield f"{number}, " + ", ".join(f"{value:.12g}" for value in place)
     first = part.first_element
@@ -312,7 +312,7 @@ def _ties(substrate: _Part, kirigami: _Part, control: int) -> Iterator[str]:
     first, second = substrate.nodes(INTERFACE), kirigami.nodes(INTERFACE)
     tied = second > 0
     first, second = first[tied], second[tied]
-    gaps: Any = (MILLIMETRES * (kirigami.place(second) - substrate.place(first))).tolist()
+    gaps: Any = (MM_PER_M * (kirigami.place(second) - substrate.place(first))).tolist()
     yield "*EQUATION"
     for a, b, gap in zip(first, second, gaps, strict=True):
         for axis, distance in enumerate(gap, start=1):
@@ -348,7 +348,7 @@ def _step(
     if specimen.gravity:
         yield "*DLOAD"
         for part in parts:
-            yield f"{part.name}, GRAV, {MILLIMETRES * specimen.gravity:.10g}, 0., 0., -1."
+            yield f"{part.name}, GRAV, {MM_PER_M * specimen.gravity:.10g}, 0., 0., -1."
     yield from ("*NODE FILE, FREQUENCY=1000000", "U", "*END STEP")
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.calculix.deck import MILLIMETRES, deck_points
+from bilayer.calculix.deck import MM_PER_M, deck_points
 from bilayer.calculix.files import Frd, RunRecord, read_frd, read_run_record
 from bilayer.calculix.quadratic_mesh import ELEMENTS
 from bilayer.errors import InputError
@@ -58,7 +58,7 @@ class _Run:
     def state(self, nodes: int) -> MilestoneState:
         """Return the milestone's state, on the first nodes."""
         found = (self.frd.points + self.frd.displacements)[:nodes]
-        shape = np.divide(found, MILLIMETRES, dtype=np.float64)
+        shape = np.divide(found, MM_PER_M, dtype=np.float64)
         return MilestoneState(
             shape if not self.why_not else np.full_like(shape, np.nan),
             converged=not self.why_not,
@@ -117,7 +117,7 @@ def import_calculix(
 
 def _read_run(path: str | Path, specimen: Specimen, mesh: PlanarMesh) -> _Run:
     frd, convergence = read_frd(path), read_run_record(path)
-    milestone, element = _recognised(path, np.divide(frd.points, MILLIMETRES), specimen, mesh)
+    milestone, element = _recognised(path, np.divide(frd.points, MM_PER_M), specimen, mesh)
     why_not = _why_not_reached(milestone, frd, convergence)
     return _Run(frd, convergence, milestone, element, why_not)
 

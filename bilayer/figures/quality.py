@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
 from bilayer.figures.style import (
-    MILLIMETRES,
+    MM_PER_M,
     RESULT_COLOURS,
     RESULT_MARKERS,
     new_figure,
@@ -22,8 +22,8 @@ from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.comparison import compare, result_label
 from bilayer.results.milestones import along_milestones
 
-QUALITY = "quality (0 hemisphere, 1 flat)"
-PRESTRETCH = "prestretch λ"
+QUALITY_LABEL = "quality (0 hemisphere, 1 flat)"
+PRESTRETCH_LABEL = "prestretch λ"
 
 
 def draw_quality(results: Sequence[xr.Dataset]) -> Figure:
@@ -100,7 +100,7 @@ def draw_comparison(comparison: xr.Dataset) -> Figure:
             against = of_one["unstable"].values, of_one["touches_itself"].values
             _draw_line(quality, stretch, of_one["quality"].values, k, label)
             mark_caveats(quality, stretch, of_one["quality"].values, *against)
-            height.plot(stretch, MILLIMETRES * of_one["height"].values, **_line_style(k))
+            height.plot(stretch, MM_PER_M * of_one["height"].values, **_line_style(k))
         _label_quality(quality)
         height.set_ylabel("height (mm)")
         height.set_ylim(bottom=0)
@@ -170,10 +170,10 @@ def _line_style(k: int) -> dict[str, Any]:
 
 def _label_quality(axes: Axes) -> None:
     axes.set_ylim(0, 1)
-    axes.set_ylabel(QUALITY)
+    axes.set_ylabel(QUALITY_LABEL)
     _finish(axes)
 
 
 def _finish(axes: Axes) -> None:
-    axes.set_xlabel(PRESTRETCH)
+    axes.set_xlabel(PRESTRETCH_LABEL)
     axes.grid(True)

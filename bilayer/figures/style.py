@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-MILLIMETRES = 1e3
+MM_PER_M = 1e3
 """Millimetres in a metre: lengths are drawn in mm."""
 
 KIRIGAMI_COLOUR, BARE_COLOUR = "#4477AA", "#EEBB44"

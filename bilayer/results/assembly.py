@@ -14,11 +14,10 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.layer_variables import body_name, layer_variables, surface_name
 from bilayer.results.schema import FORMAT, SCHEMA_VERSION, MilestoneState
 from bilayer.runtime.version import git_commit, own_versions
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.settings import settings_to_toml
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import specimen_to_toml
-
-Stretch = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -134,7 +133,7 @@ def build_result(
 
 
 def _measured(
-    specimen: Specimen, mesh: PlanarMesh, stretch: Stretch, state: MilestoneState
+    specimen: Specimen, mesh: PlanarMesh, stretch: StretchPair, state: MilestoneState
 ) -> MilestoneState:
     """Return a state with the measures of its shape."""
     if state.measures is not None:

@@ -5,7 +5,7 @@ import xarray as xr
 
 from bilayer.results.table import stretch_text, stretches
 
-_SECONDS = ("assembly_time", "factorisation_time", "cpu_time")
+_TIME_VARIABLES = ("assembly_time", "factorisation_time", "cpu_time")
 _RARE = {
     "stabilised_steps": ("stabilised", "pseudo-time steps"),
     "escapes": ("escaped", "unstable equilibria left"),
@@ -18,13 +18,13 @@ def effort_lines(result: xr.Dataset) -> list[str]:
     lines = []
     if "start" in result.attrs:
         lines.append(f"start       {result.attrs['start']}")
-    if all(name in result for name in _SECONDS):
+    if all(name in result for name in _TIME_VARIABLES):
         lines.append(f"effort      {_effort(result)}")
     return lines + _rare_lines(result)
 
 
 def _effort(result: xr.Dataset) -> str:
-    assembly, factorisation, total = (float(result[name].sum()) for name in _SECONDS)
+    assembly, factorisation, total = (float(result[name].sum()) for name in _TIME_VARIABLES)
     rest = total - assembly - factorisation
     return (
         f"{int(result['iterations'].sum())} Newton iterations, "

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes, way_length
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
 LONGEST_WAY = 0.06
@@ -23,10 +24,10 @@ ANOTHER_RESULT = "another result: "
 """Beginnings of a result's attribute `start`: flat (or, on a fine mesh of the shell, flat on a
 coarse mesh first), or another result."""
 
-Stretch = tuple[float, float]
 
-
-def starting_shape(start: xr.Dataset, mesh: PlanarMesh, stretch: Stretch) -> NDArray[np.float64]:
+def starting_shape(
+    start: xr.Dataset, mesh: PlanarMesh, stretch: StretchPair
+) -> NDArray[np.float64]:
     """Return the shape of a result at its milestone nearest to a prestretch.
 
     Returns
@@ -44,7 +45,7 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, stretch: Stretch) -> NDA
 
 def with_waypoints(specimen: Specimen) -> Specimen:
     """Return the specimen with milestones added where two are far apart in prestretch."""
-    milestones: list[Stretch] = []
+    milestones: list[StretchPair] = []
     for begin, end in _ways(specimen.prestretch.milestones):
         pieces = max(1, math.ceil(way_length(begin, end) / LONGEST_WAY * (1 - 1e-9)))
         milestones += [_between(begin, end, piece / pieces) for piece in range(1, pieces)]
@@ -66,10 +67,10 @@ def describe_run(start: xr.Dataset) -> str:
     )
 
 
-def _ways(milestones: Sequence[Stretch]) -> list[tuple[Stretch, Stretch]]:
+def _ways(milestones: Sequence[StretchPair]) -> list[tuple[StretchPair, StretchPair]]:
     return list(zip([(1.0, 1.0), *milestones[:-1]], milestones, strict=True))
 
 
-def _between(begin: Stretch, end: Stretch, share: float) -> Stretch:
+def _between(begin: StretchPair, end: StretchPair, share: float) -> StretchPair:
     x, y = (a + share * (b - a) for a, b in zip(begin, end, strict=True))
     return x, y

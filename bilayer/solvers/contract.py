@@ -21,10 +21,10 @@ from bilayer.errors import ComputationError
 from bilayer.measures.milestone import Measures
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
 Array = NDArray[np.float64]
-Stretch = tuple[float, float]
 Saved = Mapping[str, NDArray[Any]]
 """All that a path needs to go on, as arrays (numbers or text) by name; part of a file."""
 Start = xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None
@@ -140,7 +140,7 @@ class Equilibrium(PathPoint, Protocol):
     """A specimen in equilibrium on its load path, good until the path goes on."""
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """(lambda_x, lambda_y) of its prestretch."""
 
     @property
@@ -188,7 +188,7 @@ class Recorded:
     details: Any
 
 
-class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
+class SpecimenPath(Path[StretchPair, Equilibrium], Protocol):
     """The load path of a specimen."""
 
     @property

@@ -23,11 +23,10 @@ from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Recorded, Saved, SpecimenPath, TargetMissedError
 from bilayer.solvers.path import LoadStep
 from bilayer.solvers.resuming import Unfinished
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
-Stretch = tuple[float, float]
-
-MILESTONES = "prestretch"
+MILESTONE_DIMENSION = "prestretch"
 """The dimension of a result along which it grows."""
 
 
@@ -139,7 +138,7 @@ class Recorder:
         details = point.details() if step.is_at_target else None
         return _Milestone(state, Recorded(step.effort, details), _reason(step))
 
-    def _finish(self, target: Stretch) -> None:
+    def _finish(self, target: StretchPair) -> None:
         """Measure the last milestone and write the file; on the first rank."""
         last = self._milestones[-1]
         measures = self._measured(target, last.state)
@@ -148,7 +147,7 @@ class Recorder:
         if self._output is not None:
             write_result(self.result(), self._output, self._resume_point())
 
-    def _measured(self, target: Stretch, state: MilestoneState) -> Measures:
+    def _measured(self, target: StretchPair, state: MilestoneState) -> Measures:
         """Return the measures of a shape; NaN if they fail, which is noted."""
         if not state.converged:
             return Measures.undefined()
@@ -188,7 +187,7 @@ def with_rows_of(
     joined = result.copy()
     for name in names:
         variable = result[name]
-        if name in earlier and variable.dims[:1] == (MILESTONES,):
+        if name in earlier and variable.dims[:1] == (MILESTONE_DIMENSION,):
             values = variable.values.copy()
             values[:count] = earlier[name].values[:count]
             joined[name] = (variable.dims, values, variable.attrs)

@@ -25,7 +25,7 @@ from bilayer.specimen.settings import settings_from
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
-SECONDS = "s"
+TIME_UNIT = "s"
 """Unit of the times in a result, which no two runs share."""
 
 
@@ -130,7 +130,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
         for name in first.data_vars
         if name in second
         and first[name].dtype.kind in "fi"
-        and first[name].attrs.get("units") != SECONDS
+        and first[name].attrs.get("units") != TIME_UNIT
     ]
     rows = [
         {

@@ -17,6 +17,9 @@ from bilayer.validation import nearest
 
 Settings = TypeVar("Settings")
 
+BRANCH_CHOICES = ("lowest", "other", "unstable")
+"""Values of the setting `branch`: the branch to follow after a loss of stability."""
+
 
 def setting(default: Any, text: str) -> Any:
     """Return a dataclass field with a default and a description, its unit in brackets."""

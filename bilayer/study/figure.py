@@ -16,12 +16,12 @@ from matplotlib.figure import Figure
 
 from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
-from bilayer.figures.quality import PRESTRETCH, QUALITY
+from bilayer.figures.quality import PRESTRETCH_LABEL, QUALITY_LABEL
 from bilayer.figures.style import RESULT_COLOURS, RESULT_MARKERS, new_figure, print_style
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.validation import nearest
 
-LABELS = {"quality": QUALITY, "prestretch": PRESTRETCH}
+LABELS = {"quality": QUALITY_LABEL, "prestretch": PRESTRETCH_LABEL}
 FIELD_UNITS = {
     "outer_radius": "m", "inner_radius": "m", "cutout_angle": "rad", "thickness": "m", "size": "m",
     "corner_size": "m", "young_modulus": "Pa", "c10": "Pa", "c01": "Pa", "d1": "1/Pa",

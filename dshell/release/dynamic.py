@@ -36,7 +36,7 @@ from dshell.solve.newton import EquilibriumSolver
 
 Array = NDArray[np.float64]
 
-RAMP = 0.5
+RAMP_SHARE_OF_TIME = 0.5
 """Share of the time in which the load grows."""
 ITERATIONS = 12
 """Allowed in one time step; a step that needs more is halved."""
@@ -142,4 +142,6 @@ class DynamicPath(StaticPath[Load]):
         )
 
     def _load_at(self, start: Load, target: Load, now: float) -> Load:
-        return between(start, target, min(1.0, now / (RAMP * self._motion.total_time)))
+        return between(
+            start, target, min(1.0, now / (RAMP_SHARE_OF_TIME * self._motion.total_time))
+        )

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from bilayer.geometry.alignment import align_gradient
 from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import central_difference
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Assembly, Energy, deform
 from dshell.models.reference_surface import reference_surface_gradient
-from dshell.release.specimen_shell import SpecimenShell, Stretch
+from dshell.release.specimen_shell import SpecimenShell
 from dshell.solve.linear_solver import Factor, NotPositiveDefiniteError, best_linear_solver
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ class LinearisedShell:
     """
 
     def __init__(
-        self, shell: SpecimenShell, assembly: Assembly, stretch: Stretch, state: Array
+        self, shell: SpecimenShell, assembly: Assembly, stretch: StretchPair, state: Array
     ) -> None:
         self._shell, self._stretch, self._state = shell, stretch, state
         self._free = assembly.free
@@ -98,9 +99,9 @@ class LinearisedShell:
         return np.asarray((ahead - behind) / (2 * step))
 
     def _difference(
-        self, value: Callable[[SpecimenShell, Stretch], Array], parameter: str
+        self, value: Callable[[SpecimenShell, StretchPair], Array], parameter: str
     ) -> Array:
-        def of(specimen: Specimen, stretch: Stretch) -> Array:
+        def of(specimen: Specimen, stretch: StretchPair) -> Array:
             return value(self._shell.of(specimen), stretch)
 
         return central_difference(of, self._shell.specimen, self._stretch, parameter)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from bilayer.measures.milestone import Measures, measure
 from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
+from bilayer.specimen.prestretch import StretchPair
 from dshell.release.effort import ShellEffort
 from dshell.release.linearised import LinearisedShell
-from dshell.release.specimen_shell import SpecimenShell, Stretch
+from dshell.release.specimen_shell import SpecimenShell
 from dshell.release.static import ShellState, StaticPath
 from dshell.solve.newton import EquilibriumSolver
 
@@ -46,7 +47,7 @@ class Beginning:
     text: str
 
 
-Begin = Callable[[Stretch], Beginning]
+Begin = Callable[[StretchPair], Beginning]
 """Returns how a path begins whose first target is a prestretch."""
 
 
@@ -69,7 +70,7 @@ class ShellEquilibrium:
         self,
         shell: SpecimenShell,
         solver: EquilibriumSolver,
-        found: ShellState[Stretch],
+        found: ShellState[StretchPair],
         start: str,
     ) -> None:
         self._shell, self._solver, self._found, self._start = shell, solver, found, start
@@ -85,7 +86,7 @@ class ShellEquilibrium:
         return self._found.effort
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """Its prestretch."""
         return self._found.load
 
@@ -161,7 +162,7 @@ class ShellPath:
         self,
         shell: SpecimenShell,
         solver: EquilibriumSolver,
-        path: StaticPath[Stretch],
+        path: StaticPath[StretchPair],
         begin: Begin,
     ) -> None:
         self.mesh = shell.mesh
@@ -169,7 +170,7 @@ class ShellPath:
         self._begin: Begin | None = begin
         self.start = FLAT_START
 
-    def approach(self, target: Stretch) -> Iterator[ShellEquilibrium]:
+    def approach(self, target: StretchPair) -> Iterator[ShellEquilibrium]:
         """Go to a prestretch; see `Path`."""
         if self._begin is not None:
             beginning, self._begin = self._begin(target), None
@@ -177,7 +178,7 @@ class ShellPath:
         for found in self._path.approach(target):
             yield self._equilibrium(found)
 
-    def _begin_with(self, beginning: Beginning, target: Stretch) -> None:
+    def _begin_with(self, beginning: Beginning, target: StretchPair) -> None:
         """Go to the equilibrium near the first shape, or stay flat."""
         self.start = beginning.text
         if beginning.shape is None:
@@ -190,7 +191,7 @@ class ShellPath:
         """Return the last state; see `Path`."""
         return self._equilibrium(self._path.stopped())
 
-    def _equilibrium(self, found: ShellState[Stretch]) -> ShellEquilibrium:
+    def _equilibrium(self, found: ShellState[StretchPair]) -> ShellEquilibrium:
         return ShellEquilibrium(self._shell, self._solver, found, self.start)
 
     def restore(self, saved: Saved) -> None:

@@ -12,11 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.specimen.settings import BRANCH_CHOICES
 from fenics_model.branches.buckling_modes import BucklingMode, buckling_modes
 from fenics_model.branches.gradient_flow import GradientFlow
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.branches.valley_walk import ValleyWalk, WalkRule
-from fenics_model.settings import BRANCHES
 from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.factors import Factors
@@ -135,7 +135,7 @@ def _take_none(ascending: Sequence[_Candidate]) -> _Candidate | None:
 
 
 _CHOICES: Mapping[str, Callable[[Sequence[_Candidate]], _Candidate | None]] = dict(
-    zip(BRANCHES, (_take_lowest, _take_other, _take_none), strict=True)
+    zip(BRANCH_CHOICES, (_take_lowest, _take_other, _take_none), strict=True)
 )
 """The rules that choose a branch, by the values of the setting."""
 

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.solvers.parameters import central_difference, parameter_value
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
-from fenics_model.path.load_schedule import LoadPlace, Stretch
+from fenics_model.path.load_schedule import LoadPlace
 from fenics_model.release.specimen_solid import SpecimenSolid
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State
@@ -60,7 +61,7 @@ class SolidLinearisation:
             self._residual, self._body.specimen, self._place.stretch, parameter
         )
 
-    def _residual(self, specimen: Specimen, stretch: Stretch) -> Array:
+    def _residual(self, specimen: Specimen, stretch: StretchPair) -> Array:
         place = LoadPlace(stretch, self._place.weight, self._place.imperfection)
         with self._body.use_specimen(specimen, place):
             return self._numbering.gather(self._newton.residual(self._state))

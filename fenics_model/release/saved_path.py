@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Saved
+from bilayer.specimen.prestretch import StretchPair
 from fenics_model.path.continuation import Continuation
 from fenics_model.path.guide import Guide
-from fenics_model.path.load_schedule import LoadSchedule, Stretch
+from fenics_model.path.load_schedule import LoadSchedule
 from fenics_model.path.predictor import Predictor
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State
@@ -42,7 +43,7 @@ class SavedPath:
         What they are.
     """
 
-    targets: Sequence[Stretch]
+    targets: Sequence[StretchPair]
     equilibria: Sequence[tuple[float, State]]
     step: float
     failures: int

@@ -18,13 +18,14 @@ from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Linearised, Recorded, Saved
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import choose_held_nodes
 from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome, SearchRule
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
-from fenics_model.path.load_schedule import WEIGHT_WAY, LoadSchedule, Stretch
+from fenics_model.path.load_schedule import WEIGHT_WAY, LoadSchedule
 from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.branch_fields import branch_dataset
@@ -94,7 +95,7 @@ class SolidEquilibrium:
         return self._point.effort
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """(lambda_x, lambda_y)."""
         return self.place.stretch
 
@@ -266,7 +267,7 @@ class SolidPath:
             "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
         }
 
-    def approach(self, target: Stretch) -> Iterator[SolidEquilibrium]:
+    def approach(self, target: StretchPair) -> Iterator[SolidEquilibrium]:
         """Go to a prestretch; see `bilayer.solvers.contract.Path`."""
         here = self._continuation.parameter
         if here < self.loads.end:
@@ -280,7 +281,9 @@ class SolidPath:
         for point in self._continuation.approach(goal):
             yield SolidEquilibrium(self, point)
 
-    def _shapes_between(self, begin: Stretch, target: Stretch, goal: float) -> dict[float, Array]:
+    def _shapes_between(
+        self, begin: StretchPair, target: StretchPair, goal: float
+    ) -> dict[float, Array]:
         """Return the start's shapes on the way to a target, by path parameter, held as it is."""
         if self._shapes is None:
             return {}

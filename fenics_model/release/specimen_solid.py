@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.layer import Layer, Tensor
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
-from fenics_model.path.load_schedule import LoadPlace, Stretch
+from fenics_model.path.load_schedule import LoadPlace
 from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
@@ -61,7 +62,7 @@ class SpecimenSolid:
         self.weight.value = self.specimen.gravity * place.weight
         self.saddle.value = self.settings.imperfection * place.imperfection
 
-    def prestretch(self, specimen: Specimen, stretch: Stretch) -> None:
+    def prestretch(self, specimen: Specimen, stretch: StretchPair) -> None:
         """Set the natural states alone, those of a specimen."""
         rule = specimen.prestretch.thickness
         for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
