@@ -7,12 +7,11 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
-from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen
+from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen, solve
 from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import flat_surface
 from bilayer.results.conversion import convert_result
 from bilayer.specimen.two_layers import with_stretched
-from fenics_model import solve
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
 STRETCH = (1.03, 1.02)
@@ -28,7 +27,7 @@ def released(mesh, layers, side, stretch=STRETCH):
     specimen = with_stretched(COARSE, layers).with_milestones([stretch])
     if side == "below":
         specimen = replace(specimen, layers=specimen.layers[::-1])
-    return solve(specimen, mesh=mesh)
+    return solve(specimen, "fenics", mesh=mesh, start="flat")
 
 
 def turned_over(mesh):

@@ -18,7 +18,6 @@ pytest.importorskip("dolfinx")
 from bilayer import open_result
 from bilayer.results.files import open_resume_point
 
-KILLS = 3
 COUNT = len(killed_run.MILESTONES)
 
 
@@ -50,10 +49,11 @@ class KilledRun:
     def wait(self):
         assert self._process.wait(timeout=300) == 0
 
-    def kill_after(self, seconds):
-        """Kill every rank some seconds after the last one began; return the milestones noted."""
-        while not all(log.exists() and log.read_text().endswith("\n") for log in self._logs):
-            assert self._process.poll() is None
+    def kill_after(self, milestones, seconds):
+        """Kill every rank some seconds after a number of milestones; return those noted."""
+        while not all(self._has_noted(log, milestones) for log in self._logs):
+            if self._process.poll() is not None:
+                break
             time.sleep(0.01)
         time.sleep(seconds)
         for log in self._logs:
@@ -62,17 +62,21 @@ class KilledRun:
         self._process.wait(timeout=60)
         return [int(line) for line in self._logs[0].read_text().split()[1:]]
 
+    @staticmethod
+    def _has_noted(log, milestones):
+        return log.exists() and log.read_text().count("\n") > milestones
+
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_a_run_killed_at_any_moment_goes_on_to_the_same_numbers(tmp_path, undisturbed, ranks):
     expected, seconds = undisturbed
-    moments, before = random.Random(13 + ranks), 0
-    for _ in range(KILLS):
+    moments, kept = random.Random(13 + ranks), []
+    for milestones in (0, 1, 1, 1):
         run = KilledRun(tmp_path, ranks)
-        noted = run.kill_after(moments.uniform(0.0, 0.7) * ranks * seconds)
-        kept = assert_keeps(run.output, expected, noted)
-        assert kept >= before
-        before = kept
+        noted = run.kill_after(milestones, moments.uniform(0.0, 0.3) * ranks * seconds)
+        kept.append(assert_keeps(run.output, expected, noted))
+    assert kept == sorted(kept)
+    assert 0 < kept[1] < COUNT
     KilledRun(tmp_path, ranks).wait()
     result = open_result(run.output)
     assert open_resume_point(run.output) is None

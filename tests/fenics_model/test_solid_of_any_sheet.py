@@ -21,11 +21,14 @@ from bilayer import (
     Response,
     Specimen,
     generate_mesh,
+    paper_specimen,
     solve,
 )
 from bilayer.geometry.alignment import align
 from bilayer.specimen.pattern import turned
+from bilayer.specimen.settings import settings_to_toml
 from fenics_model import SolidSettings
+from fenics_model.release.specimen_solid import elements_through
 
 TAPE, PAPER = MooneyRivlin(4839.1, 14536.0), MooneyRivlin(30749.0, 30749.0)
 PATH = Response("path")
@@ -221,3 +224,26 @@ def test_two_ranks_give_of_three_layers_what_one_gives():
     for name in ("position", "volume_position"):
         assert shared[name].values == pytest.approx(alone[name].values, abs=1e-9)
     assert shared["iterations"].values == alone["iterations"].values
+
+
+def test_elements_through_each_layer():
+    """A level of the mesh is the reference surface: the core's middle, two layers' bond."""
+    three = Specimen(SQUARE, symmetric(1.03).layers, Prestretch([1.03]), COARSE)
+    asked = SolidSettings(elements=3)
+    assert [elements_through(name, three, asked) for name in three.layer_names] == [3, 4, 3]
+    default = SolidSettings()
+    assert [elements_through(name, three, default) for name in three.layer_names] == [1, 2, 1]
+    two, odd = (
+        paper_specimen(),
+        SolidSettings(substrate_elements=3, kirigami_elements=2, elements=5),
+    )
+    assert [elements_through(name, two, odd) for name in two.layer_names] == [3, 2]
+    with pytest.raises(InputError, match=r"solver\.elements = 0"):
+        SolidSettings(elements=0)
+
+
+def test_settings_that_do_not_ask_for_other_layers_are_the_text_of_before():
+    """Studies know their cases by it."""
+    names = [line.split(" = ")[0] for line in settings_to_toml(SolidSettings()).splitlines()]
+    assert "substrate_elements" in names
+    assert "elements" not in names
