@@ -38,7 +38,7 @@ class NotWrittenError(ComputationError):
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM, where it is taken as Ctrl-C."""
+    """SIGTERM, if it is taken as Ctrl-C."""
 
 
 class Interrupted(KeyboardInterrupt):

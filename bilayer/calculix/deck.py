@@ -95,7 +95,7 @@ class _Part:
         return self.bonded.name.upper()
 
     def nodes(self, level: int) -> NDArray[np.int64]:
-        """Return the node number over each point of the quadratic mesh, 0 where there is none."""
+        """Return the node number over each point of the quadratic mesh, 0 if there is none."""
         at = self.drawn.node_at[level]
         return np.where(at < 0, 0, at + self.first_node)
 

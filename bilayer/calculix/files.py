@@ -29,7 +29,7 @@ class Frd:
     points : (k, 3) array of float
         Coordinates by ascending node number, in the deck's unit.
     displacements : (k, 3) array of float
-        Of the same nodes; NaN where the file holds none.
+        Of the same nodes; NaN if the file holds none.
     version : str
         Of CalculiX.
     is_whole : bool

@@ -19,7 +19,7 @@ KEEP_NODES = {"Mesh.RecombineOptimizeTopology": 0, "Mesh.RecombineNodeReposition
 
 
 def pair_triangles(mesh: PlanarMesh) -> dict[int, tuple[Cells, Cells]]:
-    """Join triangles where two make a good quadrilateral.
+    """Join pairs of triangles that make a good quadrilateral.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        The words after `bilayer`; those of the process where left out.
+        The words after `bilayer`; those of the process if left out.
     """
     options = _parser().parse_args(arguments)
     try:

@@ -110,7 +110,7 @@ def self_contact_gap(body: BondedBody, position: Array) -> float:
     Returns
     -------
     float
-        0 where the body touches or crosses itself; infinity where no two places that are bent back
+        0 if the body touches or crosses itself; infinity if no two places that are bent back
         onto each other come nearer than `body.reach`.
     """
     reference = Surface(np.asarray(position, dtype=np.float64), body.mesh.triangles)
@@ -243,7 +243,7 @@ def _apart(points: Array, one: Indices, other: Indices) -> Array:
 
 
 def _smallest_distance(corners: Array, pairs: Indices, touching: float, reach: float) -> float:
-    """Return the smallest distance of the pairs of triangles; infinity where beyond reach.
+    """Return the smallest distance of the pairs of triangles; infinity beyond the reach.
 
     Nearest first by their circles, until no other pair can be nearer than the best, or two touch.
     """

@@ -46,9 +46,9 @@ def _plane_points(edges_of: Array, plane_of: Array) -> Array:
 
 
 def _between_edges(first: Array, second: Array) -> Array:
-    """Return the distance of each two edges, (k, 9); infinite where a corner is nearer.
+    """Return the distance of each two edges, (k, 9); infinite if a corner is nearer.
 
-    The common perpendicular of two lines, where its feet lie within both edges (Ericson, Real-Time
+    The common perpendicular of two lines, if its feet lie within both edges (Ericson, Real-Time
     Collision Detection, 2005, section 5.1.9).
     """
     p, q = first[:, :, None], second[:, None]

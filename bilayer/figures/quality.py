@@ -151,7 +151,7 @@ def _against_either(comparison: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[
 def _draw_line(
     axes: Axes, stretch: NDArray[np.float64], quality: NDArray[np.float64], k: int, label: str
 ) -> None:
-    """Draw one result, and a cross above the frame where a milestone was not reached."""
+    """Draw one result, and a cross above the frame if a milestone was not reached."""
     axes.plot(stretch, quality, label=label, clip_on=False, **_line_style(k))
     missing = stretch[np.isnan(quality)]
     if len(missing):

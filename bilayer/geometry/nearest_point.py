@@ -50,7 +50,7 @@ def distance_to_triangles(points: Array, corners: Array) -> Array:
 def vectors_from_triangles(points: Array, corners: Array) -> Array:
     """Return the vector to each point from the nearest one of its triangle, m, shape (..., 3).
 
-    It is the perpendicular where its foot lies inside, and that of the nearest edge elsewhere.
+    It is the perpendicular if its foot lies inside, and that of the nearest edge elsewhere.
 
     Parameters
     ----------

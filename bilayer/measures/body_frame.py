@@ -71,7 +71,7 @@ def _plane_normal(centred: Array) -> Array:
 
 
 def _apex_side(normal: Array, surface: Surface, origin: Array, rim: Array) -> float:
-    """+1 where the normal points to the side of the rim's plane on which the body lies, else -1.
+    """+1 if the normal points to the side of the rim's plane on which the body lies, else -1.
 
     A flat body lies on neither; there its own upper side is taken.
     """

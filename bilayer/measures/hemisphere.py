@@ -140,7 +140,7 @@ def _distances_as_it_moves(
     away : (n, 3) array of float
         Vectors to them from the nearest points of the other body.
     sense : float
-        1 where the points move, -1 where the other body does.
+        1 if the points move, -1 if the other body does.
     arms : (n, 3) array of float
         Vectors to the points from the centre of the turns.
     axes : (2, 3) array of float

@@ -185,7 +185,7 @@ def read_planar_mesh(
         The file.
     layer_sets : sequence of frozenset of str
         The layers that its regions stand for, see `bilayer.specimen.specimen.Specimen.layer_sets`;
-        a bilayer's where left out.
+        a bilayer's if left out.
 
     Raises
     ------

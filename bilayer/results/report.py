@@ -75,7 +75,7 @@ def _energies(result: xr.Dataset) -> str:
 def contact_words(result: xr.Dataset) -> list[str]:
     """Return for each milestone whether the body touches itself: "yes", "no", or the gap in mm.
 
-    The gap where it is small enough to be measured; "-" where there is no shape, "?" where the
+    The gap if it is small enough to be measured; "-" if there is no shape, "?" if the
     file is older than the measure.
     """
     if "self_contact_gap" not in result:

@@ -64,7 +64,7 @@ class MilestoneState:
     wall_time : float
         Seconds spent on this milestone.
     unstable_modes : int
-        Number of unstable modes; -1 where the method cannot tell.
+        Number of unstable modes; -1 if the method cannot tell.
     measures : Measures or None
         Of the shape; None: not measured yet.
     """

@@ -44,7 +44,7 @@ def starting_shape(
 
 
 def with_waypoints(specimen: Specimen) -> Specimen:
-    """Return the specimen with milestones added where two are far apart in prestretch."""
+    """Return the specimen with milestones added if two are far apart in prestretch."""
     milestones: list[StretchPair] = []
     for begin, end in _ways(specimen.prestretch.milestones):
         pieces = max(1, math.ceil(way_length(begin, end) / LONGEST_WAY * (1 - 1e-9)))

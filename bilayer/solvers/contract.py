@@ -157,7 +157,7 @@ class Equilibrium(PathPoint, Protocol):
 
     @property
     def unstable_modes(self) -> int:
-        """Number of unstable modes; -1 where the method cannot tell, or nobody has counted."""
+        """Number of unstable modes; -1 if the method cannot tell, or nobody has counted."""
 
     def measures(self) -> Measures:
         """Return the measures of the shape."""
@@ -181,7 +181,7 @@ class Recorded:
     effort : Effort
         The work since the milestone before.
     details : any
-        From `Equilibrium.details`; None where the milestone was not reached.
+        From `Equilibrium.details`; None if the milestone was not reached.
     """
 
     effort: Any
@@ -220,7 +220,7 @@ class SpecimenPath(Path[StretchPair, Equilibrium], Protocol):
         Parameters
         ----------
         milestones : sequence of Recorded or None
-            Of the milestones so far, in their order; None where an earlier run has tried it: that
+            Of the milestones so far, in their order; None if an earlier run has tried it: that
             row is taken from its file. The dataset has a row for every milestone of the specimen.
         """
 
@@ -250,11 +250,11 @@ class OpenPath(Protocol):
         settings : settings dataclass
             One of the solver's models.
         mesh : PlanarMesh or None
-            The planar mesh; made from the specimen where None.
+            The planar mesh; made from the specimen if None.
         start : Dataset, callable or None
             See `Start`.
         comm : mpi4py.MPI.Comm or None
-            The ranks that share the path; where the solver is parallel, None is all of them.
+            The ranks that share the path; if the solver is parallel, None is all of them.
         progress : callable or None
             Told of what comes before the path, such as another path on a coarse mesh.
 

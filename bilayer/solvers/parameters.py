@@ -55,7 +55,7 @@ def central_difference(
 
 
 def parameter_scale(specimen: Specimen, stretch: StretchPair, parameter: str) -> float:
-    """Return the size that a change of a parameter is measured by: its value, 1 where that is 0."""
+    """Return the size that a change of a parameter is measured by: its value, 1 if that is 0."""
     value = parameter_value(specimen, stretch, parameter)
     return abs(value) if value else 1.0
 

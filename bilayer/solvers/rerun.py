@@ -32,7 +32,7 @@ TIME_UNIT = "s"
 def select_reached_milestones(result: xr.Dataset) -> xr.Dataset:
     """Return a result that was interrupted without the milestones that it did not come to.
 
-    Those where a computation failed stay: it is to fail again.
+    Those of a failed computation stay: it is to fail again.
     """
     if result.attrs["stop_reason"] != INTERRUPTED:
         return result
@@ -123,7 +123,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     -------
     DataFrame
         A row per variable that both have, the times left out: `difference`, the largest in the
-        variable's own unit (infinite where only one of them has a number), and `same_bits`.
+        variable's own unit (infinite if only one of them has a number), and `same_bits`.
     """
     names = [
         str(name)

@@ -35,7 +35,7 @@ class Unfinished:
     result : Dataset
         Its milestones so far.
     point : ResumePoint
-        Where it can be taken up.
+        The place from which it can be resumed.
     """
 
     result: xr.Dataset

@@ -20,7 +20,7 @@ class Estimate:
     cases : int
         Number of cases to compute.
     seconds : float
-        Of computing on one process; NaN where no case of some solver and model is finished yet.
+        Of computing on one process; NaN if no case of some solver and model is finished yet.
     longest : float
         Seconds of the longest case: no number of processes makes it shorter.
     measured : int

@@ -297,7 +297,7 @@ class StudyFolder:
 
     @contextmanager
     def _hold_lock(self, name: str, operation: int) -> Iterator[bool]:
-        """Hold a lock that ends with this process, whatever ends it; false where it is taken."""
+        """Hold a lock that ends with this process, whatever ends it; false if it is taken."""
         with (self.path / name).open("a") as lock:
             try:
                 fcntl.flock(lock, operation)

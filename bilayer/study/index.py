@@ -32,7 +32,7 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
         A row per case and milestone: the case's hash, solver, model, the varied values,
         `prestretch` (the larger of `prestretch_x` and `prestretch_y`), `status` (done, stopped
         early, unfinished, failed, lacks memory, missing), scalars of the result in SI units, the
-        `reason` where something is missing, what made it, and the timings.
+        `reason` if something is missing, what made it, and the timings.
     """
     planned = folder.read_plan()
     rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]

@@ -35,7 +35,7 @@ class StudyPlan:
     Parameters
     ----------
     fields : tuple of str
-        Dotted names of what varies from case to case, `solver` among them where it does.
+        Dotted names of what varies from case to case, `solver` among them if it does.
     cases : tuple of Case
         Each once, in the order of the study file.
     """

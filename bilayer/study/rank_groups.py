@@ -36,7 +36,7 @@ def compute_on_ranks(
     folder : StudyFolder
         Where they are kept; held by the caller.
     ranks_per_case : int
-        Size of a group; the last one is smaller where the ranks do not divide.
+        Size of a group; the last one is smaller if the ranks do not divide.
     told : callable
         Called with each case that is over, on the ranks that computed it.
 

@@ -38,12 +38,12 @@ def run_study(
     plan : StudyPlan
         From `bilayer.study.plan.read_study`.
     path : path-like
-        The study's folder, made where it is missing.
+        The study's folder, made if it is missing.
     jobs : int, optional
-        Most cases computed at a time; the number of cores that this process may use where left
+        Most cases computed at a time; the number of cores that this process may use if left
         out.
     memory : float, optional
-        Bytes that all of them may take together; what is available where left out.
+        Bytes that all of them may take together; what is available if left out.
     retry_failed : bool
         Compute also those that failed or stopped early in an earlier start.
     progress : callable, optional
@@ -99,7 +99,7 @@ def run_study_on_ranks(
     world : mpi4py.MPI.Comm
         All ranks.
     ranks_per_case : int
-        Ranks that share one case, where its solver can.
+        Ranks that share one case, if its solver can.
     """
     if ranks_per_case > world.Get_size():
         raise InputError(

@@ -24,7 +24,7 @@ FOLLOWING_ITERATIONS = 15
 FOLLOWING_STEP = 0.05
 """Of them, largest change of a degree of freedom over the largest that the descent allows."""
 SAME_ENERGY = 1e-9
-"""Branches are as low as each other, such as mirror images, where the energies agree so well."""
+"""Relative difference of two energies below which they count as equal, as of mirror images."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class BranchRule(Protocol):
         start : array of float
             The first state, m.
         modes : int or None
-            Its unstable modes; None where it is no equilibrium.
+            Its unstable modes; None if it is no equilibrium.
         limits : NewtonLimits
             When to stop.
         """

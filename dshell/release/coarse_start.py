@@ -18,7 +18,7 @@ from bilayer.specimen.specimen import MeshSize, Specimen
 Array = NDArray[np.float64]
 
 GAIN = 4
-"""A mesh is fine where it has so many times the triangles of the coarse one."""
+"""A mesh is fine if it has so many times the triangles of the coarse one."""
 OTHER_CUT = 0.05
 """Share of the area where two meshes disagree on the layers, above which their patterns differ.
 
@@ -26,7 +26,7 @@ Two meshes of 150 and more triangles with the same patterns disagree on less tha
 
 
 def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarMesh | None:
-    """Return a mesh of a specimen of about so many triangles, where a mesh is fine beside it.
+    """Return a mesh of a specimen of about so many triangles, if a mesh is fine beside it.
 
     Parameters
     ----------

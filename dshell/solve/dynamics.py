@@ -31,7 +31,7 @@ class MovingBody:
     Parameters
     ----------
     masses : array of float
-        Mass behind each degree of freedom, kg, in the shape of the position; 0 where there is none.
+        Mass behind each degree of freedom, kg, in the shape of the position; 0 if there is none.
     held : array of int
         Degrees of freedom that do not move, by their places in the flattened position.
     energies : callable
@@ -267,7 +267,7 @@ def _step(
 
 
 def _solved(linear: LinearSolver, matrix: csc_matrix, right_side: Array) -> Array:
-    """Solve a symmetric system; NaN where the matrix is singular."""
+    """Solve a symmetric system; NaN if the matrix is singular."""
     try:
         return linear.factor(matrix).solve(right_side)
     except SingularMatrixError:

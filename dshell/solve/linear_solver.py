@@ -30,7 +30,7 @@ MUMPS_ORDERINGS = {
     "metis": 5,
     "qamd": 6,
 }
-"""MUMPS's numbers, ICNTL(7), of its orderings; it takes another where one was not built in."""
+"""MUMPS's numbers, ICNTL(7), of its orderings; it takes another if one was not built in."""
 _PETSC_BAD_CHOLESKY_PIVOT = 81  # PETSC_ERR_MAT_CH_ZRPVT
 
 
@@ -65,7 +65,7 @@ class LinearSolver(Protocol):
         """Return a factor of a positive definite matrix, or raise NotPositiveDefiniteError."""
 
     def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
-        """Return a factor of any matrix; SingularMatrixError where there is none."""
+        """Return a factor of any matrix; SingularMatrixError if there is none."""
 
 
 class SuperLUSolver:
@@ -226,7 +226,7 @@ class _MumpsFactor:
 
 
 def best_linear_solver() -> LinearSolver:
-    """Return CHOLMOD where petsc4py is there, SuperLU otherwise."""
+    """Return CHOLMOD if petsc4py is there, SuperLU otherwise."""
     return CholmodSolver() if find_spec("petsc4py") else SuperLUSolver()
 
 

@@ -363,7 +363,7 @@ class EquilibriumSolver:
 
 
 def _cap_step(step: Array, longest: float) -> Array:
-    """Return a step itself where no degree of freedom changes by more than `longest`, or less."""
+    """Return a step itself if no degree of freedom changes by more than `longest`, or less."""
     length = np.abs(step).max()
     return step * (longest / length) if length > longest else step
 

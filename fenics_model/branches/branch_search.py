@@ -63,9 +63,9 @@ class BranchEquilibrium:
     name : str
         `DEPARTED`, or one of `MODE_SIDES`.
     energy : float
-        Potential energy, J; NaN where the search found nothing.
+        Potential energy, J; NaN if the search found nothing.
     unstable_modes : int
-        -1 where the search found nothing.
+        -1 if the search found nothing.
     """
 
     name: str

@@ -37,7 +37,7 @@ class LoadPoint:
     effort : Effort
         The work since the equilibrium before, failed attempts included.
     residual : float
-        Relative to the reference; NaN where the path stopped.
+        Relative to the reference; NaN if the path stopped.
     unstable_modes : int
         Of a goal; -1 if it is not known.
     departure : BranchSearchOutcome or None

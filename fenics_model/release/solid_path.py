@@ -101,7 +101,7 @@ class SolidEquilibrium:
 
     @property
     def residual(self) -> float:
-        """Norm of the residual over that of the undeformed mesh; NaN where the path stopped."""
+        """Norm of the residual over that of the undeformed mesh; NaN if the path stopped."""
         return self._point.residual
 
     @property

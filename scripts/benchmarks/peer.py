@@ -31,7 +31,7 @@ TIME_LIMIT = 600  # s, of the peer on one mesh
 
 
 def check_peer(checkout: Path, interpreter: Path) -> None:
-    """Raise InputError where the checkout or its interpreter is not there."""
+    """Raise InputError if the checkout or its interpreter is not there."""
     if not (checkout / "src" / "dismech").is_dir():
         raise InputError(f"--peer {checkout}: expected a checkout of dismech-python (src/dismech)")
     if not interpreter.exists():

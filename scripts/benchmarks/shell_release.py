@@ -45,7 +45,7 @@ FEW_TRIANGLES = 100
 class BenchmarkCase:
     """A benchmark case: the paper's specimen with some cutouts, mesh, prestretch and start.
 
-    A fine mesh starts from flat where `coarse_triangles` is 0, see `dshell.ReleaseSettings`.
+    A fine mesh starts from flat if `coarse_triangles` is 0, see `dshell.ReleaseSettings`.
     """
 
     triangles: int

@@ -74,7 +74,7 @@ def _cells(check: Check) -> tuple[str, ...]:
 
 
 def _against(check: Check) -> tuple[str, str]:
-    """Return the reference and the error; nothing where a number stands for itself."""
+    """Return the reference and the error; nothing if a number stands for itself."""
     if math.isnan(check.reference):
         return "-", "-"
     error = f"{check.error:.1e}" if check.error < 1e-5 else f"{100 * check.error:.3f} %"

@@ -124,7 +124,7 @@ def drucker_margin(law: Hyperelastic, x: Array, y: Array) -> Array:
     Returns
     -------
     (n,) array of float
-        Not a number where the law has locked.
+        Not a number if the law has locked.
     """
     return _least_eigenvalues(_by_strains(law, x, y)[1])
 
