@@ -1,4 +1,4 @@
-"""The shapes of another result, where they lead the way of a run."""
+"""The shapes of another result, as the initial guesses of a run."""
 
 from dataclasses import dataclass
 

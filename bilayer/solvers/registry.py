@@ -26,7 +26,7 @@ from bilayer.validation import one_of
 SOLVERS = {"fenics": "fenics_model", "dshell": "dshell"}
 
 STARTS = ("shell", "flat")
-"""From where a run starts: the accurate shell's shapes lead the way, or the flat state."""
+"""Starts by name: the shapes of the accurate shell as initial guesses, or the flat state."""
 
 
 def solver_named(name: str) -> Solver:
@@ -69,10 +69,9 @@ def solve(
     mesh : PlanarMesh, optional
         The planar mesh to use; made from the specimen if left out.
     start : {"shell", "flat"} or Dataset, optional
-        "shell": the shapes of the accurate discrete shell lead the way. "flat": nothing does, but
-        that a fine mesh of the shell goes by a coarse one (its setting `coarse_triangles`). A
-        result on the same mesh, from either solver: its shape starts the first milestone, and leads
-        to the others that it has. The solver's own default if left out.
+        Initial guesses. "shell": the shapes of the accurate discrete shell. "flat": none; a fine
+        mesh of the shell then starts from a coarse one (its setting `coarse_triangles`). A result
+        on the same mesh, from either solver: its shapes. The solver's own default if left out.
     comm : mpi4py.MPI.Comm, optional
         The communicator; COMM_WORLD if a solver is parallel and none is given.
     progress : callable, optional

@@ -38,9 +38,9 @@ class SavedPath:
     rejected : sequence of (float, str)
         Shapes that were not followed, see `Guide.rejected`.
     shapes : StartShapes or None
-        Which lead the way.
+        The initial guesses.
     start : str
-        What they are.
+        Their source.
     """
 
     targets: Sequence[StretchPair]

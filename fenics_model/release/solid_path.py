@@ -161,9 +161,9 @@ class SolidPath:
     comm : MPI.Comm
         The ranks.
     shapes : StartShapes or None
-        Of another result, which lead the way.
+        Of another result, the initial guesses.
     start : str
-        What they are, in a line.
+        Their source, in one line.
     """
 
     def __init__(

@@ -104,8 +104,8 @@ def two_fold(mismatch: float, size: float) -> xr.Dataset:
 def rolled_curvature(mismatch: float, size: float) -> float:
     """The larger principal curvature at the centre of the uncut disc at S, over k0.
 
-    The shell's shapes lead the way: load steps would take 300 iterations, as the roll's axis turns
-    nearly freely.
+    The shell's shapes are the initial guesses. Load steps would take 300 iterations, because the
+    roll's axis turns nearly freely.
     """
     specimen = disc([mismatch], size, AXIS)
     mesh = generate_mesh(specimen)
