@@ -105,7 +105,7 @@ _MODULES = {
     "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
     "fenics_model.settings": ("SolidSettings",),
 }
-"""Where each public name lives."""
+"""The module of each public name."""
 
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

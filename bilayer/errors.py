@@ -1,11 +1,11 @@
-"""What can go wrong, in two kinds: the input is bad, or the computation failed."""
+"""The exceptions, of two kinds: the input is bad, or the computation failed."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 INTERRUPTED = "interrupted"
-"""Why a run stopped that was told to."""
+"""Stop reason of a run that was told to stop."""
 
 
 class BilayerError(Exception):
@@ -38,7 +38,7 @@ class NotWrittenError(ComputationError):
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM, where it is taken as Ctrl-C."""
+    """SIGTERM, if it is taken as Ctrl-C."""
 
 
 class Interrupted(KeyboardInterrupt):

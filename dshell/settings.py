@@ -6,60 +6,58 @@ from typing import ClassVar
 
 from bilayer.errors import InputError
 from bilayer.specimen.prestretch import BONDED_THICKNESS_RULES
-from bilayer.specimen.settings import documented
+from bilayer.specimen.settings import BRANCH_CHOICES, setting
 from bilayer.validation import fraction, keep, not_negative, one_of, positive, whole
 from dshell.energies.through_thickness import PROFILES
 
-METHODS = ("static", "dynamic")
-"""How a shape is found: `dshell.release.static` or `dshell.release.dynamic`."""
-BRANCHES = ("lowest", "other", "unstable")
-"""What follows an unstable equilibrium, see `dshell.release.branches`."""
+METHOD_NAMES = ("static", "dynamic")
+"""Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
 MOST_TIME_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
 class ReleaseSettings:
-    """How equilibria are found; shared by the models `morley` and `hinge`."""
+    """Settings of the search for equilibria, shared by the models `morley` and `hinge`."""
 
-    method: str = documented(
+    method: str = setting(
         "static",
         "'static': Newton's method on the energy; 'dynamic': damped motion until it is at rest",
     )
-    total_time: float = documented(
+    total_time: float = setting(
         20.0, "dynamic: time to each milestone; the prestretch grows in its first half [s]"
     )
-    time_step: float = documented(
-        0.01, "dynamic: first time step of implicit Euler; the others find their length [s]"
+    time_step: float = setting(
+        0.01, "dynamic: first time step of implicit Euler; later ones adapt [s]"
     )
-    damping_rate: float = documented(10.0, "dynamic: viscous force per mass and velocity [1/s]")
-    tolerance: float = documented(
+    damping_rate: float = setting(10.0, "dynamic: viscous force per mass and velocity [1/s]")
+    tolerance: float = setting(
         1e-8, "norm of the residual force at an equilibrium over that of the flat state"
     )
-    max_iterations: int = documented(200, "Newton iterations allowed in one load step")
-    ramp: float = documented(
+    max_iterations: int = setting(200, "Newton iterations allowed in one load step")
+    ramp: float = setting(
         0.015, "growth of the prestretch in each of the first Newton iterations of a load step [1]"
     )
-    longest_step: float = documented(
-        0.5, "largest displacement in one Newton iteration over the outer radius"
+    longest_step: float = setting(
+        0.5,
+        "maximum nodal displacement per Newton iteration, as a fraction of the outer radius [1]",
     )
-    smallest_step: float = documented(
-        0.01, "smallest load step that is tried over the way between two milestones"
+    smallest_step: float = setting(
+        0.01, "smallest load step, as a fraction of the way between two milestones [1]"
     )
-    coarse_triangles: int = documented(
+    coarse_triangles: int = setting(
         1500,
-        "static: a mesh with more than 4 times as many triangles starts from the shape on a mesh "
-        "with about so many; 0: from flat",
+        "static: a mesh with more than 4 times as many triangles starts from the shape on a "
+        "coarse mesh with about this number; 0: from flat",
     )
-    branch: str = documented(
+    branch: str = setting(
         "lowest",
-        "where an equilibrium is unstable, which of the stable ones to either side of its mode to "
-        "take: that of lower energy, the other one, or none, which goes on with the unstable one "
-        "(lowest, other, unstable)",
+        "after a loss of stability, follow the branch of lowest energy ('lowest'), the other one "
+        "('other'), or stay on the unstable one ('unstable')",
     )
 
     def __post_init__(self) -> None:
-        keep(self, one_of, "method", table="solver.", choices=METHODS)
-        keep(self, one_of, "branch", table="solver.", choices=tuple(BRANCHES))
+        keep(self, one_of, "method", table="solver.", choices=METHOD_NAMES)
+        keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         _keep_times(self)
         keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")
         keep(self, whole, "max_iterations", table="solver.", at_least=1)
@@ -72,7 +70,7 @@ class ReleaseSettings:
 class MorleySettings(ReleaseSettings):
     """The accurate shell: Morley's bending on the laminate's own layers."""
 
-    profile: str = documented(
+    profile: str = setting(
         "quadratic",
         "strain through the thickness: 'quadratic' E + z k - z^2 det(k) / 2, 'linear' E + z k",
     )
@@ -89,27 +87,27 @@ class HingeSettings(ReleaseSettings):
 
 @dataclass(frozen=True)
 class PaperSettings:
-    """What the paper leaves open about its discrete shell; see docs/theory-dshell.md."""
+    """Settings of the paper's shell that the paper leaves open; see docs/theory-dshell.md."""
 
     stopping_is_a_result: ClassVar[bool] = True  # where it fails is one of the paper's results
 
-    thickness: str = documented(
+    thickness: str = setting(
         "constant",
         "thickness of the bonded substrate, in place of prestretch.thickness: "
         "'constant' as printed, 'natural' divided by the stretch's area ratio",
     )
-    total_time: float = documented(
+    total_time: float = setting(
         1.0, "duration of the ramp of natural lengths and angles, and of the run [s]"
     )
-    time_step: float = documented(0.001, "time step of implicit Euler [s]")
-    gravity: float = documented(
+    time_step: float = setting(0.001, "time step of implicit Euler [s]")
+    gravity: float = setting(
         0.5, "symmetry-breaking acceleration along -z at the start, tapered to 0 at the end [m/s2]"
     )
-    damping_rate: float = documented(10.0, "viscous force per mass and velocity [1/s]")
-    tolerance: float = documented(
+    damping_rate: float = setting(10.0, "viscous force per mass and velocity [1/s]")
+    tolerance: float = setting(
         1e-8, "norm of the residual force at convergence over Y_s t_s times the outer radius"
     )
-    max_iterations: int = documented(200, "Newton-Raphson iterations allowed in a time step")
+    max_iterations: int = setting(200, "Newton-Raphson iterations allowed in a time step")
 
     def __post_init__(self) -> None:
         keep(self, one_of, "thickness", table="solver.", choices=BONDED_THICKNESS_RULES)

@@ -10,19 +10,20 @@ from bilayer.errors import InputError
 from bilayer.mesh.generation import mesh_within_memory
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import result_mesh
-from bilayer.results.starting import FLAT, began, described, starting_shape
+from bilayer.results.starting import FLAT_START, describe_run, describe_start, starting_shape
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.solvers.run import solve_with
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
 from dshell.release.branches import BRANCH_RULES
-from dshell.release.coarse_start import coarse_mesh, prolonged
+from dshell.release.coarse_start import coarse_mesh, prolong_shape
 from dshell.release.dynamic import DynamicPath, MotionLimits
 from dshell.release.paper import PaperPath
 from dshell.release.specimen_path import Begin, Beginning, ShellPath
-from dshell.release.specimen_shell import UNSTRETCHED, ShellModel, SpecimenShell, Stretch
+from dshell.release.specimen_shell import ShellModel, SpecimenShell
 from dshell.release.static import StaticPath, StepLimits, equilibrium_solver
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
 from dshell.solve.linear_solver import best_linear_solver
@@ -96,7 +97,7 @@ SOLVER = Solver(
     default_start="flat",
     open_path=open_path,
 )
-"""What the registry knows of this package."""
+"""This package, as the registry finds it."""
 
 
 def _shell_path(
@@ -112,7 +113,7 @@ def _shell_path(
         settings.ramp,
         settings.smallest_step,
     )
-    path: StaticPath[Stretch]
+    path: StaticPath[StretchPair]
     if settings.method == "dynamic":
         motion = MotionLimits(settings.total_time, settings.time_step, settings.damping_rate)
         path = DynamicPath(shell, motion, limits, solver, branch)
@@ -122,15 +123,15 @@ def _shell_path(
 
 
 def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
-    """Return what makes the model of a specimen."""
+    """Return a function that makes the model of a specimen."""
     if isinstance(settings, MorleySettings):
         return lambda specimen: MorleyModel(specimen, mesh, settings)
     return partial(HingeModel, mesh=mesh)
 
 
-def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: Stretch) -> Beginning:
+def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: StretchPair) -> Beginning:
     """Return the shape of another result that leads to the first target."""
-    return Beginning(starting_shape(start, mesh, target), began(start))
+    return Beginning(starting_shape(start, mesh, target), describe_start(start))
 
 
 def _coarse_beginning(
@@ -138,16 +139,18 @@ def _coarse_beginning(
     mesh: PlanarMesh,
     settings: ReleaseSettings,
     progress: Progress | None,
-    target: Stretch,
+    target: StretchPair,
 ) -> Beginning:
     """Return the shape on a coarse mesh, or none, that leads to the first target."""
     coarse = _coarse_result(specimen.with_milestones([target]), mesh, settings, progress)
     if coarse is None:
-        return Beginning(None, FLAT)
+        return Beginning(None, FLAT_START)
     if not coarse["converged"].all():
-        return Beginning(None, f"{FLAT}, because on a coarse mesh it {coarse.attrs['stop_reason']}")
-    shape = prolonged(coarse["position"].values[0], result_mesh(coarse), mesh)
-    return Beginning(shape, f"{FLAT}, on a coarse mesh first: {described(coarse)}")
+        return Beginning(
+            None, f"{FLAT_START}, because on a coarse mesh it {coarse.attrs['stop_reason']}"
+        )
+    shape = prolong_shape(coarse["position"].values[0], result_mesh(coarse), mesh)
+    return Beginning(shape, f"{FLAT_START}, on a coarse mesh first: {describe_run(coarse)}")
 
 
 def _coarse_result(

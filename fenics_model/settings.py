@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from bilayer.errors import InputError
-from bilayer.specimen.settings import documented
+from bilayer.specimen.settings import BRANCH_CHOICES, setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
 from bilayer.validation import finite, fraction, keep, one_of, positive, whole
 
@@ -11,12 +11,10 @@ BYTES_PER_TRIANGLE = 300_000
 """Memory of the matrix and its factors, one element through each of two layers (measured: 225 kB
 per triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
 
-BRANCHES = ("lowest", "other", "unstable")
-
 
 @dataclass(frozen=True)
 class SolidSettings:
-    """How the layered solid is discretised and how its load path is followed.
+    """Settings of the layered solid and of its load path.
 
     Raises
     ------
@@ -24,47 +22,42 @@ class SolidSettings:
         A value is out of its range.
     """
 
-    substrate_elements: int = documented(1, "elements through a layer named substrate")
-    kirigami_elements: int = documented(1, "elements through a layer named kirigami")
-    elements: int | None = documented(
+    substrate_elements: int = setting(1, "elements through a layer named substrate")
+    kirigami_elements: int = setting(1, "elements through a layer named kirigami")
+    elements: int | None = setting(
         None,
         "elements through each other layer, 1 if not set; the layer whose middle is the reference "
         "surface takes an even number, one more if need be",
     )
-    quadrature_degree: int = documented(4, "polynomial degree that the quadrature integrates")
-    first_step: float = documented(0.001, "first load step, as a change of the prestretch [1]")
-    smallest_step: float = documented(
-        1e-4, "where a failing load step is no longer cut back but given up [1]"
-    )
-    largest_step: float = documented(0.05, "largest load step [1]")
-    target_iterations: int = documented(
+    quadrature_degree: int = setting(4, "polynomial degree that the quadrature integrates")
+    first_step: float = setting(0.001, "first load step, as a change of the prestretch [1]")
+    smallest_step: float = setting(1e-4, "smallest load step; if it fails, the path ends [1]")
+    largest_step: float = setting(0.05, "largest load step [1]")
+    target_iterations: int = setting(
         8, "Newton iterations that a load step should take; its size grows or shrinks toward this"
     )
-    iteration_limit: int = documented(12, "Newton iterations after which a load step has failed")
-    flow_steps: int = documented(
+    iteration_limit: int = setting(12, "Newton iterations after which a load step has failed")
+    flow_steps: int = setting(
         100,
-        "time steps of the viscous flow to a stable equilibrium, where load steps fail or a "
-        "milestone is unstable, after which it is given up; 0: no such flow",
+        "maximum number of pseudo-time steps of the gradient flow, which finds a stable "
+        "equilibrium if load steps fail or a milestone is unstable; 0: no gradient flow",
     )
-    branch: str = documented(
+    branch: str = setting(
         "lowest",
-        "where load steps come to an unstable milestone, which of the stable branches to either "
-        "side of its mode to take: that of lower energy, the other one, or none (lowest, other, "
-        "unstable); a start that leads straight to stable shapes leaves no such choice: choose "
-        "with --start flat",
+        "after a loss of stability, follow the branch of lowest energy ('lowest'), the other one "
+        "('other'), or stay on the unstable one ('unstable'); use it with --start flat, because "
+        "the shapes of a start may lead straight to a stable branch",
     )
-    tolerance: float = documented(
-        1e-10, "residual at a milestone, relative to the flat state's [1]"
-    )
-    path_tolerance: float = documented(
+    tolerance: float = setting(1e-10, "residual at a milestone, relative to the flat state's [1]")
+    path_tolerance: float = setting(
         1e-3, "residual at the load steps between milestones, relative to the flat state's [1]"
     )
-    imperfection: float = documented(
+    imperfection: float = setting(
         0.1,
         "saddle-shaped vertical load that breaks the symmetry, acceleration at the rim, "
         "gone at every milestone [m/s2]",
     )
-    petsc_options: str = documented(
+    petsc_options: str = setting(
         "", "further PETSc options, such as '-bilayer_snes_monitor'; their prefix is bilayer_"
     )
 
@@ -78,7 +71,7 @@ class SolidSettings:
         keep(self, positive, "first_step", "smallest_step", "largest_step", table="solver.")
         keep(self, fraction, "tolerance", "path_tolerance", table="solver.")
         keep(self, finite, "imperfection", table="solver.")
-        keep(self, one_of, "branch", table="solver.", choices=BRANCHES)
+        keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
             if getattr(self, smaller) > getattr(self, larger):
                 raise InputError(

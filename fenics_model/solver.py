@@ -26,8 +26,8 @@ def open_path(
     """Return the load path of a specimen's solid; see `bilayer.solvers.contract.OpenPath`.
 
     The weight, if any, is a dead load along -z that the centre carries, see
-    `bilayer.specimen.support`. The shapes of `start` lead the way; where one cannot be made or does
-    not lead to a stable equilibrium, load steps are taken instead.
+    `bilayer.specimen.support`. The shapes of `start` are the initial guesses. If one cannot be made
+    or does not lead to a stable equilibrium, load steps are taken instead.
     """
     try:
         import dolfinx.fem.petsc  # noqa: F401

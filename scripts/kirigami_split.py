@@ -1,4 +1,4 @@
-"""How far the paper's shapes move with the split C01 / C10 of the layers' constants.
+"""The change of the paper's shapes with the split C01 / C10 of the layers' constants.
 
 The moduli stay those of the template; only the ratios change: as assumed there, of the kirigami
 layer as in the same lab's bistable sheets, of both layers as there, and without C01.

@@ -1,4 +1,4 @@
-"""What the paper says it saw (sections V to VII), held against two results with numbers."""
+"""The paper's observations (sections V to VII), compared with the numbers of two results."""
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,7 @@ from bilayer.results.schema import result_mesh
 PAPER_FIRST_QUALITY = 0.8
 """At 1.03, read off its figure 6 (section VII)."""
 PAPER_LAG = 0.08
-"""How far the shell's quality is behind that of the finite elements (section VII)."""
+"""Difference of the shell's quality from that of the finite elements (section VII)."""
 PAPER_LIMIT = 1.24
 """Beyond which it failed to converge (section V)."""
 

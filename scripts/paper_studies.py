@@ -45,7 +45,7 @@ MODELS = "models"
 NAMES = (*FIELDS, MODELS)
 SOLVERS = ("dshell", "fenics")
 SHAPES = ("position", "reference_position", "face_nodes", "region", "case_file")
-"""What is left out of the scalars: large, or a path of this machine."""
+"""Variables that are left out of the scalars: large ones, and paths of this machine."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -102,7 +102,7 @@ def draw(name: str, solver: str) -> None:
 
 
 def report() -> str:
-    """Return what the studies that are there say of the paper's conclusions."""
+    """Return the findings of the finished studies on the paper's conclusions."""
     points = {field: _points(name, field) for name, field in FIELDS.items()}
     lines = [line for field, table in points.items() for line in range_findings(table, field)]
     lines += spans_findings(points)

@@ -27,7 +27,7 @@ from bilayer.figures import (
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.report import result_table
 from bilayer.runtime.progress import progress_bar
-from bilayer.solvers.registry import settings_kind
+from bilayer.solvers.registry import settings_class
 
 RESULTS = Path(__file__).parents[1] / "results"
 QUICK_MILESTONES = (1.03, 1.06, 1.15, 1.24)
@@ -95,7 +95,7 @@ def _solved(
     folder: Path,
     shown: bool = True,
 ) -> xr.Dataset:
-    settings = settings_kind(solver, model)()
+    settings = settings_class(solver, model)()
     with progress_bar(f"{solver} {model}", shown) as progress:
         result = bilayer.solve(specimen, solver, settings, mesh=mesh, progress=progress)
     name = "fenics.nc" if solver == "fenics" else f"shell_{model}.nc"
@@ -142,11 +142,11 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="6 mm mesh, four of the prestretches")
     parser.add_argument(
         "--all", action="store_true",
-        help="then the studies of scripts/paper_studies, too; with --quick the shell's alone",
+        help="also compute the studies of scripts/paper_studies (with --quick: of the shell only)",
     )  # fmt: skip
     parser.add_argument(
         "--output", type=Path, metavar="DIR",
-        help="where to write; results/paper, or results/quick with --quick, where left out",
+        help="folder to write to (default: results/paper, or results/quick with --quick)",
     )  # fmt: skip
     return parser.parse_args()
 

@@ -45,8 +45,8 @@ def run(options: argparse.Namespace) -> int:
 def _options(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="scripts/benchmark",
-        description="What a solver costs: CPU time, iterations, memory. Compare within one run; "
-        "seconds are of the machine that it runs on.",
+        description="The cost of a solver: CPU time, iterations, memory. Compare numbers of one "
+        "run; seconds depend on the machine.",
         epilog="example: scripts/benchmark dshell --help",
     )
     parsers = parser.add_subparsers(dest="benchmark", required=True, metavar="NAME")

@@ -23,8 +23,8 @@ RUNGS: tuple[Rung, ...] = tuple(
 )
 PAGE = Path(__file__).parents[1] / "docs" / "verification.md"
 ABSENT = {
-    "4 to 13 for the models `hinge` and `paper`": "a lattice is no plate (rung 9); beside the "
-    "curvature of a uniform disc only what it is instead is here.",
+    "4 to 13 for the models `hinge` and `paper`": "a lattice is not a plate (rung 9). The "
+    "ladder has only the curvature of a uniform disc and the closed forms of the lattice.",
 }
 
 
@@ -78,7 +78,7 @@ def _options(words: Sequence[str] | None) -> argparse.Namespace:
     )  # fmt: skip
     parser.add_argument(
         "--output", type=Path, default=PAGE, metavar="FILE",
-        help="the page, written when all rungs are computed; docs/verification.md if left out",
+        help="page to write if all rungs are computed (default: docs/verification.md)",
     )  # fmt: skip
     return parser.parse_args(words)
 

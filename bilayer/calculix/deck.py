@@ -33,19 +33,19 @@ from bilayer.runtime.output_file import whole_file
 from bilayer.runtime.version import __version__
 from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.materials import Law, LinearElastic, MooneyRivlin, NeoHookean
-from bilayer.specimen.settings import documented
+from bilayer.specimen.settings import setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen
-from bilayer.specimen.support import HeldNodes, support
+from bilayer.specimen.support import HeldNodes, choose_held_nodes
 from bilayer.specimen.toml import specimen_to_toml
 from bilayer.specimen.two_layers import LAYERS, TwoLayers
 from bilayer.validation import finite, keep, one_of, positive
 
-MILLIMETRES, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
+MM_PER_M, MEGAPASCALS, TONNES_PER_MM3 = 1e3, 1e-6, 1e-12
 
 
 @dataclass(frozen=True)
 class DeckSettings:
-    """How the deck is meshed and stepped.
+    """Settings of a deck: its elements, increments and imperfection.
 
     Raises
     ------
@@ -53,14 +53,14 @@ class DeckSettings:
         A value is out of its range.
     """
 
-    element: str = documented(
+    element: str = setting(
         "hexahedron",
         "'hexahedron': pairs of triangles are C3D20R, those left over C3D15; 'wedge': all C3D15",
     )
-    first_increment: float = documented(0.05, "first increment of the control displacement c [1]")
-    largest_increment: float = documented(0.2, "largest increment of c [1]")
-    smallest_increment: float = documented(1e-5, "increment below which the program gives up [1]")
-    imperfection: float = documented(
+    first_increment: float = setting(0.05, "first increment of the control displacement c [1]")
+    largest_increment: float = setting(0.2, "largest increment of c [1]")
+    smallest_increment: float = setting(1e-5, "increment below which the program gives up [1]")
+    imperfection: float = setting(
         0.1,
         "saddle-shaped vertical load that breaks the symmetry, acceleration of the substrate at "
         "the rim, gone at c = 1 [m/s2]",
@@ -91,16 +91,16 @@ class _Part:
 
     @property
     def name(self) -> str:
-        """What the deck calls it."""
+        """Name of the layer in the deck."""
         return self.bonded.name.upper()
 
     def nodes(self, level: int) -> NDArray[np.int64]:
-        """Return the node number over each point of the quadratic mesh, 0 where there is none."""
+        """Return the node number over each point of the quadratic mesh, 0 if there is none."""
         at = self.drawn.node_at[level]
         return np.where(at < 0, 0, at + self.first_node)
 
     def place(self, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return where some nodes are drawn, m, shape (nodes, 3)."""
+        """Return the drawn positions of some nodes, m, shape (nodes, 3)."""
         return self.drawn.points[nodes - self.first_node]
 
     @property
@@ -180,7 +180,7 @@ def abaqus_deck(
 def deck_points(
     specimen: Specimen, mesh: PlanarMesh, stretch: tuple[float, float], element: str
 ) -> NDArray[np.float64]:
-    """Return where the deck's nodes are drawn, in the order of their numbers, m, shape (k, 3).
+    """Return the drawn positions of the deck's nodes, in the order of their numbers, m, (k, 3).
 
     The first are those of the substrate at the interface, over the nodes of the planar mesh.
     """
@@ -227,7 +227,7 @@ def _ascii(text: str) -> str:
 
 def _mesh_of(part: _Part) -> Iterator[str]:
     yield f"*NODE, NSET=N{part.name}"
-    places: Any = (MILLIMETRES * part.drawn.points).tolist()
+    places: Any = (MM_PER_M * part.drawn.points).tolist()
     for number, place in enumerate(places, start=part.first_node):
         yield f"{number}, " + ", ".join(f"{value:.12g}" for value in place)
     first = part.first_element
@@ -315,7 +315,7 @@ def _ties(substrate: _Part, kirigami: _Part, control: int) -> Iterator[str]:
     first, second = substrate.nodes(INTERFACE), kirigami.nodes(INTERFACE)
     tied = second > 0
     first, second = first[tied], second[tied]
-    gaps: Any = (MILLIMETRES * (kirigami.place(second) - substrate.place(first))).tolist()
+    gaps: Any = (MM_PER_M * (kirigami.place(second) - substrate.place(first))).tolist()
     yield "*EQUATION"
     for a, b, gap in zip(first, second, gaps, strict=True):
         for axis, distance in enumerate(gap, start=1):
@@ -333,7 +333,7 @@ def _step(
     control: int,
     settings: DeckSettings,
 ) -> Iterator[str]:
-    a, b, c = held_nodes(mesh, specimen.gravity)
+    a, b, c = choose_nodes_under_kirigami(mesh, specimen.gravity)
     held = parts[-1].nodes(INTERFACE)
     yield "*AMPLITUDE, NAME=VANISHING"
     yield "0., 1., 1., 0."
@@ -351,7 +351,7 @@ def _step(
     if specimen.gravity:
         yield "*DLOAD"
         for part in parts:
-            yield f"{part.name}, GRAV, {MILLIMETRES * specimen.gravity:.10g}, 0., 0., -1."
+            yield f"{part.name}, GRAV, {MM_PER_M * specimen.gravity:.10g}, 0., 0., -1."
     yield from ("*NODE FILE, FREQUENCY=1000000", "U", "*END STEP")
 
 
@@ -369,11 +369,11 @@ def _saddle_load(
         yield f"{node}, 3, {force:.6e}"
 
 
-def held_nodes(mesh: PlanarMesh, gravity: float) -> HeldNodes:
-    """Return the nodes that are held, see `bilayer.specimen.support`, of those that carry kirigami.
+def choose_nodes_under_kirigami(mesh: PlanarMesh, gravity: float) -> HeldNodes:
+    """Return the held nodes, see `bilayer.specimen.support`, of those that carry kirigami.
 
     The substrate's nodes that do are eliminated.
     """
     carrying = np.unique(mesh.triangles[mesh.faces_of(KIRIGAMI_LAYER)])
-    a, b, c = carrying[list(support(mesh.points[carrying], gravity, mesh.centroid))]
+    a, b, c = carrying[list(choose_held_nodes(mesh.points[carrying], gravity, mesh.centroid))]
     return int(a), int(b), int(c)

@@ -27,7 +27,7 @@ class DrawnLayer:
         Nodes in the natural state, m.
     node_at : (3, p) array of int
         Node over each point of the quadratic mesh at the interface, in the middle (over vertices
-        alone) and outside; -1 where there is none.
+        alone) and outside; -1 if there is none.
     wedges, hexahedra : (w, 15) and (h, 20) arrays of int
         Nodes of each element in the order of Abaqus: corners of the bottom, of the top, then the
         midpoints of the bottom's edges, the top's, and the upright ones.

@@ -1,4 +1,4 @@
-"""What CalculiX makes of deck.inp: deck.frd (shapes), deck.sta (increments), deck.cvg (iterations).
+"""The files that CalculiX writes: deck.frd (shapes), deck.sta (increments), deck.cvg (iterations).
 
 The .frd file has fixed columns: a node's line is ' -1', its number in 10 columns and values in 12
 columns each, which touch each other.
@@ -29,7 +29,7 @@ class Frd:
     points : (k, 3) array of float
         Coordinates by ascending node number, in the deck's unit.
     displacements : (k, 3) array of float
-        Of the same nodes; NaN where the file holds none.
+        Of the same nodes; NaN if the file holds none.
     version : str
         Of CalculiX.
     is_whole : bool
@@ -43,8 +43,8 @@ class Frd:
 
 
 @dataclass(frozen=True)
-class Convergence:
-    """How a run of one step went.
+class RunRecord:
+    """Increments, iterations and residual of a run of one step.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _block(path: str | Path, lines: Sequence[str], start: int) -> tuple[NDArray[
     return numbers, values.reshape(-1, 3)
 
 
-def read_convergence(path: str | Path) -> Convergence:
+def read_run_record(path: str | Path) -> RunRecord:
     """Read the .sta and .cvg files beside a .frd file.
 
     The attempt of an increment that failed is marked by a U, and repeated with a shorter one.
@@ -131,7 +131,7 @@ def read_convergence(path: str | Path) -> Convergence:
     converged = [row for row in increments if not row[2].endswith("U")]
     gave_up = [row for row in increments[-1:] if row not in converged]
     try:
-        return Convergence(
+        return RunRecord(
             float(converged[-1][5]) if converged else 0.0,
             len(converged),
             int(gave_up[0][1]) if gave_up else None,

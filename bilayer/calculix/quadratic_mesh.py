@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.calculix.triangle_pairing import paired_triangles
+from bilayer.calculix.triangle_pairing import pair_triangles
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.two_layers import BARE, KIRIGAMI
 from bilayer.validation import one_of
@@ -57,7 +57,7 @@ def quadratic_mesh(mesh: PlanarMesh, element: str = "hexahedron") -> QuadraticMe
         gmsh, which pairs the triangles, is not there or fails.
     """
     if one_of("element", element, ELEMENTS) == "hexahedron":
-        corners = paired_triangles(mesh)
+        corners = pair_triangles(mesh)
     else:
         corners = {region: (mesh.triangles[mesh.region == region], np.empty((0, 4), np.int64))
                    for region in (BARE, KIRIGAMI)}  # fmt: skip

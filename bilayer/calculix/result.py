@@ -14,8 +14,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.calculix.deck import MILLIMETRES, deck_points
-from bilayer.calculix.files import Convergence, Frd, read_convergence, read_frd
+from bilayer.calculix.deck import MM_PER_M, deck_points
+from bilayer.calculix.files import Frd, RunRecord, read_frd, read_run_record
 from bilayer.calculix.quadratic_mesh import ELEMENTS
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
@@ -31,7 +31,7 @@ WHOLE_STEP = 1 - 1e-6
 
 @dataclass(frozen=True)
 class CalculixSettings:
-    """How CalculiX computed a result.
+    """Settings of a result that CalculiX computed.
 
     Parameters
     ----------
@@ -47,10 +47,10 @@ class CalculixSettings:
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """What was read of one deck's run, and what it belongs to."""
+    """The files of one deck's run, and the milestone they belong to."""
 
     frd: Frd
-    convergence: Convergence
+    convergence: RunRecord
     milestone: tuple[float, float]
     element: str
     why_not: str
@@ -58,7 +58,7 @@ class _Run:
     def state(self, nodes: int) -> MilestoneState:
         """Return the milestone's state, on the first nodes."""
         found = (self.frd.points + self.frd.displacements)[:nodes]
-        shape = np.divide(found, MILLIMETRES, dtype=np.float64)
+        shape = np.divide(found, MM_PER_M, dtype=np.float64)
         return MilestoneState(
             shape if not self.why_not else np.full_like(shape, np.nan),
             converged=not self.why_not,
@@ -116,13 +116,13 @@ def import_calculix(
 
 
 def _read_run(path: str | Path, specimen: Specimen, mesh: PlanarMesh) -> _Run:
-    frd, convergence = read_frd(path), read_convergence(path)
-    milestone, element = _recognised(path, np.divide(frd.points, MILLIMETRES), specimen, mesh)
+    frd, convergence = read_frd(path), read_run_record(path)
+    milestone, element = _recognised(path, np.divide(frd.points, MM_PER_M), specimen, mesh)
     why_not = _why_not_reached(milestone, frd, convergence)
     return _Run(frd, convergence, milestone, element, why_not)
 
 
-def _why_not_reached(milestone: tuple[float, float], frd: Frd, convergence: Convergence) -> str:
+def _why_not_reached(milestone: tuple[float, float], frd: Frd, convergence: RunRecord) -> str:
     if convergence.reached >= WHOLE_STEP and frd.is_whole:
         return "" if np.isfinite(frd.displacements).all() else "the .frd file has no displacements"
     failed = convergence.failed_increment

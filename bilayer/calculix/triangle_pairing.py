@@ -18,8 +18,8 @@ KEEP_NODES = {"Mesh.RecombineOptimizeTopology": 0, "Mesh.RecombineNodeReposition
 """Options of gmsh: else pairing would move or remove nodes."""
 
 
-def paired_triangles(mesh: PlanarMesh) -> dict[int, tuple[Cells, Cells]]:
-    """Join triangles where two make a good quadrilateral.
+def pair_triangles(mesh: PlanarMesh) -> dict[int, tuple[Cells, Cells]]:
+    """Join pairs of triangles that make a good quadrilateral.
 
     Parameters
     ----------

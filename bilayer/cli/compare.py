@@ -16,7 +16,7 @@ def add(verbs: Any) -> None:
         "bilayer compare fenics.nc shell.nc -o comparison.png",
     )  # fmt: skip
     verb.add_argument("results", nargs=2, metavar="FILE.nc")
-    verb.add_argument("-o", "--output", metavar="FIGURE", help="draw it, too")
+    verb.add_argument("-o", "--output", metavar="FIGURE", help="also draw the comparison")
 
 
 def run(options: argparse.Namespace) -> int:

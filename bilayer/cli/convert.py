@@ -16,12 +16,12 @@ def add(verbs: Any) -> None:
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")
     verb.add_argument(
-        "-o", "--output", required=True, help="any format meshio writes, by the ending"
+        "-o", "--output", required=True, help="file; its ending selects one of meshio's formats"
     )
     which = verb.add_mutually_exclusive_group()
     which.add_argument(
         "--prestretch", type=float, metavar="L",
-        help="the milestone to write; the last one reached where left out",
+        help="the milestone to write (default: the last one reached)",
     )  # fmt: skip
     which.add_argument(
         "--all", action="store_true", help="every milestone reached: shape_1.03.vtu, ..."

@@ -8,8 +8,8 @@ from bilayer.cli.parser import (
     add_case_arguments,
     add_specimen_arguments,
     add_verb,
-    mesh_of,
-    specimen_of,
+    read_mesh_argument,
+    read_specimen_argument,
 )
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
 
@@ -36,9 +36,11 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     values, overrides = split_solver_settings(options.overrides)
-    specimen = specimen_of(options, overrides)
+    specimen = read_specimen_argument(options, overrides)
     settings = settings_from(DeckSettings, values)
-    for path in write_decks(specimen, mesh_of(options, specimen), options.output, settings):
+    for path in write_decks(
+        specimen, read_mesh_argument(options, specimen), options.output, settings
+    ):
         if not options.quiet:
             print(path)
     return 0

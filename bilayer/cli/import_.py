@@ -10,8 +10,8 @@ from bilayer.cli.parser import (
     add_case_arguments,
     add_specimen_arguments,
     add_verb,
-    mesh_of,
-    specimen_of,
+    read_mesh_argument,
+    read_specimen_argument,
 )
 from bilayer.results.files import write_result
 from bilayer.results.report import law_warnings, result_table
@@ -36,8 +36,8 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status, 1 if a deck stopped before its end."""
     check_writable(Path(options.output))
-    specimen = specimen_of(options, options.overrides)
-    result = import_calculix(options.frd, specimen, mesh_of(options, specimen))
+    specimen = read_specimen_argument(options, options.overrides)
+    result = import_calculix(options.frd, specimen, read_mesh_argument(options, specimen))
     write_result(result, options.output)
     if not options.quiet:
         print(result_table(result), *law_warnings(result), sep="\n")

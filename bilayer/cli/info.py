@@ -1,4 +1,4 @@
-"""The verb `info`: what made a result, and how far it can be trusted."""
+"""The verb `info`: the provenance of a result, and how far it can be trusted."""
 
 import argparse
 import shlex

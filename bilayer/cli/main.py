@@ -1,4 +1,4 @@
-"""The command `bilayer`: its verbs, and how errors and progress reach a person.
+"""The command `bilayer`: its verbs, and the output of errors and progress.
 
 Tables go to stdout, progress and errors to stderr. Exit status 2 is bad input, 1 a computation
 that failed or stopped early, 0 success.
@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        The words after `bilayer`; those of the process where left out.
+        The words after `bilayer`; those of the process if left out.
     """
     options = _parser().parse_args(arguments)
     try:

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from bilayer.cli.parser import add_specimen_arguments, add_verb, specimen_of
+from bilayer.cli.parser import add_specimen_arguments, add_verb, read_specimen_argument
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import write_planar_mesh
 from bilayer.runtime.output_file import check_writable
@@ -18,7 +18,7 @@ def add(verbs: Any) -> None:
     )  # fmt: skip
     add_specimen_arguments(verb)
     verb.add_argument(
-        "-o", "--output", required=True, help="any format meshio writes, by the ending"
+        "-o", "--output", required=True, help="file; its ending selects one of meshio's formats"
     )
 
 
@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> int:
 
     output = Path(options.output)
     check_writable(output)
-    specimen = specimen_of(options, options.overrides)
+    specimen = read_specimen_argument(options, options.overrides)
     mesh = generate_mesh(specimen)
     write_planar_mesh(mesh, output)
     save_figure(draw_mesh(mesh), output.with_suffix(".png"))

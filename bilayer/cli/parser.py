@@ -65,12 +65,10 @@ def add_case_arguments(verb: Parser) -> None:
         "--prestretch", nargs="+", metavar="L",
         help="milestones instead of the file's; L, or LX,LY for two directions",
     )  # fmt: skip
-    verb.add_argument(
-        "--mesh", metavar="FILE", help="a planar mesh, or a result's, instead of a generated one"
-    )
+    verb.add_argument("--mesh", metavar="FILE", help="use this planar mesh, or that of a result")
 
 
-def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
+def read_specimen_argument(options: argparse.Namespace, overrides: list[str]) -> Specimen:
     """Read the specimen of the command line, some of its values replaced."""
     if options.mesh_size is not None:
         overrides = [*overrides, f"mesh.size={options.mesh_size}"]
@@ -80,7 +78,7 @@ def specimen_of(options: argparse.Namespace, overrides: list[str]) -> Specimen:
     return specimen.with_milestones([_milestone(word) for word in options.prestretch])
 
 
-def mesh_of(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
+def read_mesh_argument(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
     """Return the mesh of the command line, one of the specimen, or a generated one."""
     if options.mesh is None:
         return generate_mesh(specimen)

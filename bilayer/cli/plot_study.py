@@ -17,13 +17,19 @@ def add(verbs: Any) -> None:
         "--prestretch 1.15 -o FIG.png",
     )  # fmt: skip
     verb.add_argument("study", metavar="DIR", help="the study's folder")
-    verb.add_argument("--x", required=True, metavar="FIELD", help="along: a field or prestretch")
-    verb.add_argument("--y", default="quality", metavar="SCALAR", help="up; quality if left out")
-    verb.add_argument("--hue", metavar="FIELD", help="a line for each of its values")
-    verb.add_argument("--prestretch", metavar="L", help="the one that is drawn")
+    verb.add_argument(
+        "--x", required=True, metavar="FIELD",
+        help="field on the horizontal axis (or 'prestretch')",
+    )  # fmt: skip
+    verb.add_argument(
+        "--y", default="quality", metavar="SCALAR",
+        help="quantity on the vertical axis (default: quality)",
+    )  # fmt: skip
+    verb.add_argument("--hue", metavar="FIELD", help="draw a line for each value of this field")
+    verb.add_argument("--prestretch", metavar="L", help="draw this prestretch only")
     verb.add_argument(
         "--select", action="append", default=[], metavar="FIELD=VALUE",
-        help="draw only what has this value",
+        help="draw only the cases with this value",
     )  # fmt: skip
     verb.add_argument("-o", "--output", required=True, metavar="FIGURE")
 

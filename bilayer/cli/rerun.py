@@ -15,10 +15,10 @@ from bilayer.solvers.registry import solver_named
 from bilayer.solvers.rerun import (
     AGREEMENT,
     agree,
-    as_far_as_it_came,
-    began_elsewhere,
     differences,
     rerun,
+    select_reached_milestones,
+    was_started_from_a_result,
 )
 
 
@@ -41,12 +41,12 @@ def run(options: argparse.Namespace) -> int:
 def _rerun(options: argparse.Namespace) -> int:
     join_mpi()
     first = is_first_rank()
-    result = as_far_as_it_came(open_result(options.result))
+    result = select_reached_milestones(open_result(options.result))
     if not (first or solver_named(result.attrs["solver"]).parallel):
         return 0  # the first rank computes alone
     if options.output is not None:
         check_writable(Path(options.output))
-    if first and began_elsewhere(result):
+    if first and was_started_from_a_result(result):
         print(
             f"bilayer: it was started from {result.attrs['start']}, which it does not hold; "
             "computed as usual",

@@ -9,8 +9,8 @@ from bilayer.cli.parser import (
     add_case_arguments,
     add_specimen_arguments,
     add_verb,
-    mesh_of,
-    specimen_of,
+    read_mesh_argument,
+    read_specimen_argument,
 )
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
@@ -20,7 +20,7 @@ from bilayer.runtime.output_file import check_writable, remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.termination import termination_as_ctrl_c
-from bilayer.solvers.registry import SOLVERS, STARTS, settings_kind, solve, solver_named
+from bilayer.solvers.registry import SOLVERS, STARTS, settings_class, solve, solver_named
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
 
 
@@ -43,9 +43,10 @@ def add(verbs: Any) -> None:
     add_case_arguments(verb)
     verb.add_argument(
         "--start", metavar="START",
-        help="what leads the way: 'shell' (the accurate discrete shell; the default of fenics), "
-        "'flat' (nothing: load stepping alone; for a fine mesh of the shell see "
-        "solver.coarse_triangles), or a result FILE.nc on the same mesh",
+        help="initial guess: 'shell' = shapes of the morley shell (the default of fenics); "
+        "'flat' = none, increase the prestretch from zero (a fine mesh of the shell then starts "
+        "from a coarse one, see solver.coarse_triangles); FILE.nc = shapes of another result on "
+        "the same mesh",
     )  # fmt: skip
     verb.late_epilog = _describe_settings
 
@@ -66,9 +67,9 @@ def _solve(options: argparse.Namespace) -> int:
     values, overrides = split_solver_settings(options.overrides)
     if "model" in values:
         raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")
-    specimen = specimen_of(options, overrides)
-    settings: Any = settings_from(settings_kind(options.solver, options.model), values)
-    mesh = None if options.mesh is None else mesh_of(options, specimen)
+    specimen = read_specimen_argument(options, overrides)
+    settings: Any = settings_from(settings_class(options.solver, options.model), values)
+    mesh = None if options.mesh is None else read_mesh_argument(options, specimen)
     start = options.start if options.start in (None, *STARTS) else open_result(options.start)
     if options.verbose and first:
         print(settings, file=sys.stderr)

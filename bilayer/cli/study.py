@@ -1,4 +1,4 @@
-"""The verb `study`: many specimens from one file; what is finished is kept and not done again."""
+"""The verb `study`: many specimens from one file; finished cases are kept and not repeated."""
 
 import argparse
 import os
@@ -13,7 +13,7 @@ from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
 from bilayer.study.estimate import estimate, estimate_text
-from bilayer.study.folder import DONE, LACKS_MEMORY, StudyFolder
+from bilayer.study.folder import CASE_DONE, CASE_LACKS_MEMORY, StudyFolder
 from bilayer.study.index import read_index
 from bilayer.study.memory import first_at_once, separate_by_memory
 from bilayer.study.plan import StudyPlan, read_study
@@ -45,7 +45,7 @@ def add(verbs: Any) -> None:
     )
     what = verb.add_mutually_exclusive_group()
     what.add_argument(
-        "--dry-run", action="store_true", help="say what there is to do, and compute nothing"
+        "--dry-run", action="store_true", help="print cases, memory and time; compute nothing"
     )
     what.add_argument(
         "--case", metavar="I", help="compute only the case of this number, from 1; for job arrays"
@@ -97,7 +97,7 @@ def _notice(line: str) -> None:
 
 
 def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory: float) -> str:
-    """Return what a start would do, in one line, and a line for each case that lacks memory."""
+    """Return the number of cases by status, in one line, and a line for each without memory."""
     folder = StudyFolder(options.output)
     index = read_index(folder) if folder.plan_file.exists() else None
     waiting = cases_to_compute(plan, folder, options.retry_failed)
@@ -106,7 +106,7 @@ def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory
     lines = [
         f"{len(plan.cases)} cases, {estimate_text(estimate(fitting, index), at_a_time)}",
         *(
-            f"case {case.identity} ({case}) {LACKS_MEMORY}: {why}"
+            f"case {case.identity} ({case}) {CASE_LACKS_MEMORY}: {why}"
             for case, why in shortages.items()
         ),
     ]
@@ -116,7 +116,7 @@ def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory
 def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:
     """Print what there is now; return the exit status."""
     cases = index.drop_duplicates("case")
-    bad = cases[cases["status"] != DONE]
+    bad = cases[cases["status"] != CASE_DONE]
     for _, case in bad.iterrows():
         print(
             f"bilayer: case {case['case']} ({_values(case)}) {case['status']}: {case['reason']}",
@@ -130,7 +130,7 @@ def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:
 
 
 def _status(index: pd.DataFrame) -> int:
-    return int(bool((index["status"] != DONE).any()))
+    return int(bool((index["status"] != CASE_DONE).any()))
 
 
 def _values(case: pd.Series) -> str:

@@ -1,1 +1,1 @@
-"""How near a released body comes to itself."""
+"""Self-contact of a released body."""

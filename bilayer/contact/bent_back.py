@@ -1,8 +1,9 @@
-"""Which triangles of a skin are bent back onto each other and near: a search in two trees at once.
+"""The pairs of triangles of a skin that are bent back and near: a search in two trees at once.
 
-The triangles are halved again and again into compact groups of the flat body. From the coarsest
-pair of groups down, only those pairs are split whose balls let some of their triangles be bent back
-and near enough: on a smooth sheet a few times as many as triangles, however fine the mesh.
+The triangles are halved again and again into compact groups of the flat body. The search starts at
+the coarsest pair of groups. It splits only those pairs whose enclosing balls allow that some of
+their triangles are bent back and near enough. On a smooth sheet their number is a few times that of
+the triangles, however fine the mesh is.
 docs/measures.md has the rule.
 """
 
@@ -40,7 +41,7 @@ class Balls:
     centres: Array
     radii: Array
 
-    def around(self, groups: Indices) -> "Balls":
+    def enclose_groups(self, groups: Indices) -> "Balls":
         """Return a ball around those of each group, (k, size)."""
         members = self.centres[groups]
         centres = members.mean(axis=1)
@@ -76,7 +77,9 @@ class Places:
 
     def grouped(self, groups: Indices) -> "Places":
         """Return the groups, (k, size), as places."""
-        return Places(*(part.around(groups) for part in (self.natural, self.chord, self.skin)))
+        return Places(
+            *(part.enclose_groups(groups) for part in (self.natural, self.chord, self.skin))
+        )
 
     def may_be_bent_back(self, pairs: Indices, reach: float) -> Mask:
         """Whether some places of each two groups may be bent back and within reach."""
@@ -85,7 +88,7 @@ class Places:
         skin, _ = self.skin.distances(pairs)
         return (chord < BENT_BACK * natural) & (skin <= reach)
 
-    def surely_within(self, pairs: Indices, apart: float) -> float:
+    def bound_distance(self, pairs: Indices, apart: float) -> float:
         """Return within what distance some places are that are surely bent back, m.
 
         Only those count whose natural distance is surely more than `apart`.
@@ -118,7 +121,7 @@ def bent_back_pairs(places: Places, flat: Array, nodes: Indices, reach: float) -
     (k, 2) array of int
         Those with the smallest distance among them, if that is within reach; one may come twice.
     """
-    members = _halved(flat)
+    members = _halve_groups(flat)
     apart = _farthest_neighbours(places.natural.centres, nodes)
     pairs: Indices = np.zeros((1, 2), dtype=np.int64)
     count = 1
@@ -129,7 +132,7 @@ def bent_back_pairs(places: Places, flat: Array, nodes: Indices, reach: float) -
         found: list[Indices] = [np.zeros((0, 2), dtype=np.int64)]
         for block in _split(pairs, children):
             kept = block[level.may_be_bent_back(block, reach)]
-            reach = min(reach, level.surely_within(kept, apart))
+            reach = min(reach, level.bound_distance(kept, apart))
             found.append(kept)
         pairs = np.concatenate(found)
     pairs = members.ravel()[pairs]
@@ -137,7 +140,7 @@ def bent_back_pairs(places: Places, flat: Array, nodes: Indices, reach: float) -
     return pairs[~(one[:, :, None] == other[:, None]).any(axis=(1, 2))]
 
 
-def _halved(points: Array) -> Indices:
+def _halve_groups(points: Array) -> Indices:
     """Return compact groups of two to four points, in the order of the tree that halves made.
 
     Each half is as large as the other, across the widest extent; a few points come twice for that.

@@ -1,9 +1,9 @@
-"""How near a released body comes to itself, from the skin of its layers.
+"""The self-contact gap of a released body, from the skin of its layers.
 
-The skin is the closed surface of the body: the sides of the layers where no other layer lies on
-them, walls at the rim and along the cuts. Two places of it can touch only where the sheet is bent
-back onto itself, which is told on the reference surface, so that a tight curl whose inner side is
-short is not mistaken for contact. docs/measures.md has the definition.
+The skin is the closed surface of the body. It consists of the sides of the layers on which no other
+layer lies, and of walls at the rim and along the cuts. Two places of the skin can touch only if the
+sheet is bent back onto itself. This is measured on the reference surface, so that a tight curl
+whose inner side is short does not count as contact. docs/measures.md has the definition.
 """
 
 from collections.abc import Sequence
@@ -110,7 +110,7 @@ def self_contact_gap(body: BondedBody, position: Array) -> float:
     Returns
     -------
     float
-        0 where the body touches or crosses itself; infinity where no two places that are bent back
+        0 if the body touches or crosses itself; infinity if no two places that are bent back
         onto each other come nearer than `body.reach`.
     """
     reference = Surface(np.asarray(position, dtype=np.float64), body.mesh.triangles)
@@ -243,7 +243,7 @@ def _apart(points: Array, one: Indices, other: Indices) -> Array:
 
 
 def _smallest_distance(corners: Array, pairs: Indices, touching: float, reach: float) -> float:
-    """Return the smallest distance of the pairs of triangles; infinity where beyond reach.
+    """Return the smallest distance of the pairs of triangles; infinity beyond the reach.
 
     Nearest first by their circles, until no other pair can be nearer than the best, or two touch.
     """

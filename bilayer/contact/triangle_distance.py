@@ -36,7 +36,7 @@ def triangle_distance(first: Array, second: Array) -> Array:
 
 
 def _plane_points(edges_of: Array, plane_of: Array) -> Array:
-    """Return where each edge of one triangle comes nearest to the other's plane, (k, 3, 3)."""
+    """Return the point of each edge that is nearest to the other triangle's plane, (k, 3, 3)."""
     start, end = edges_of, np.roll(edges_of, -1, axis=1)
     a, b, c = np.moveaxis(plane_of, 1, 0)
     normal = np.cross(b - a, c - a)[:, None]
@@ -46,9 +46,9 @@ def _plane_points(edges_of: Array, plane_of: Array) -> Array:
 
 
 def _between_edges(first: Array, second: Array) -> Array:
-    """Return the distance of each two edges, (k, 9); infinite where a corner is nearer.
+    """Return the distance of each two edges, (k, 9); infinite if a corner is nearer.
 
-    The common perpendicular of two lines, where its feet lie within both edges (Ericson, Real-Time
+    The common perpendicular of two lines, if its feet lie within both edges (Ericson, Real-Time
     Collision Detection, 2005, section 5.1.9).
     """
     p, q = first[:, :, None], second[:, None]

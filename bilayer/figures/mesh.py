@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bilayer.figures.regions import region_colours, region_name, regions_of
-from bilayer.figures.style import MILLIMETRES, new_figure, print_style
+from bilayer.figures.style import MM_PER_M, new_figure, print_style
 from bilayer.mesh.planar import PlanarMesh
 
 BILAYER_EDGE, BARE_EDGE = "black", "#D5202A"
@@ -62,7 +62,7 @@ def _draw_edges(
     axes: Axes, mesh: PlanarMesh, chosen: NDArray[np.bool_], colour: str, label: str
 ) -> None:
     if chosen.any():
-        lines = MILLIMETRES * mesh.points[mesh.edges[chosen]]
+        lines = MM_PER_M * mesh.points[mesh.edges[chosen]]
         width = min(0.8, 25 / np.sqrt(len(mesh.edges)))
         axes.add_collection(
             LineCollection(list(lines), colors=colour, linewidths=width, label=label)

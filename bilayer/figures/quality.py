@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
 from bilayer.figures.style import (
-    MILLIMETRES,
+    MM_PER_M,
     RESULT_COLOURS,
     RESULT_MARKERS,
     new_figure,
@@ -22,8 +22,8 @@ from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.comparison import compare, result_label
 from bilayer.results.milestones import along_milestones
 
-QUALITY = "quality (0 hemisphere, 1 flat)"
-PRESTRETCH = "prestretch λ"
+QUALITY_LABEL = "quality (0 hemisphere, 1 flat)"
+PRESTRETCH_LABEL = "prestretch λ"
 
 
 def draw_quality(results: Sequence[xr.Dataset]) -> Figure:
@@ -100,7 +100,7 @@ def draw_comparison(comparison: xr.Dataset) -> Figure:
             against = of_one["unstable"].values, of_one["touches_itself"].values
             _draw_line(quality, stretch, of_one["quality"].values, k, label)
             mark_caveats(quality, stretch, of_one["quality"].values, *against)
-            height.plot(stretch, MILLIMETRES * of_one["height"].values, **_look(k))
+            height.plot(stretch, MM_PER_M * of_one["height"].values, **_line_style(k))
         _label_quality(quality)
         height.set_ylabel("height (mm)")
         height.set_ylim(bottom=0)
@@ -125,7 +125,7 @@ def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
             percent = 100 * comparison["rms_distance_over_radius"].values
             label = comparison.attrs["second"]
             stretch = comparison["prestretch"].values
-            axes.semilogy(stretch, percent, label=label, **_look(k))
+            axes.semilogy(stretch, percent, label=label, **_line_style(k))
             mark_caveats(axes, stretch, percent, *_against_either(comparison))
         axes.set_ylabel(f"rms distance to {comparisons[0].attrs['first']} (% of R)")
         _finish(axes)
@@ -151,17 +151,17 @@ def _against_either(comparison: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[
 def _draw_line(
     axes: Axes, stretch: NDArray[np.float64], quality: NDArray[np.float64], k: int, label: str
 ) -> None:
-    """Draw one result, and a cross above the frame where a milestone was not reached."""
-    axes.plot(stretch, quality, label=label, clip_on=False, **_look(k))
+    """Draw one result, and a cross above the frame if a milestone was not reached."""
+    axes.plot(stretch, quality, label=label, clip_on=False, **_line_style(k))
     missing = stretch[np.isnan(quality)]
     if len(missing):
         axes.plot(missing, np.full(len(missing), 1.03 + 0.05 * k), linestyle="none", marker="x",
-                  markersize=6, markeredgewidth=1.6, color=_look(k)["color"], clip_on=False,
+                  markersize=6, markeredgewidth=1.6, color=_line_style(k)["color"], clip_on=False,
                   transform=axes.get_xaxis_transform(),
                   label=f"{label}, not reached")  # fmt: skip
 
 
-def _look(k: int) -> dict[str, Any]:
+def _line_style(k: int) -> dict[str, Any]:
     return {
         "color": RESULT_COLOURS[k % len(RESULT_COLOURS)],
         "marker": RESULT_MARKERS[k % len(RESULT_MARKERS)],
@@ -170,10 +170,10 @@ def _look(k: int) -> dict[str, Any]:
 
 def _label_quality(axes: Axes) -> None:
     axes.set_ylim(0, 1)
-    axes.set_ylabel(QUALITY)
+    axes.set_ylabel(QUALITY_LABEL)
     _finish(axes)
 
 
 def _finish(axes: Axes) -> None:
-    axes.set_xlabel(PRESTRETCH)
+    axes.set_xlabel(PRESTRETCH_LABEL)
     axes.grid(True)

@@ -8,7 +8,7 @@ from bilayer.figures.style import BARE_COLOUR, FURTHER_COLOURS, KIRIGAMI_COLOUR
 from bilayer.mesh.planar import PlanarMesh
 
 MANY = {2: "bilayer", 3: "trilayer"}
-"""What a pile of all layers is called, by their number."""
+"""Name of the region with all layers, by their number."""
 
 
 def regions_of(mesh: PlanarMesh) -> list[int]:
@@ -18,7 +18,7 @@ def regions_of(mesh: PlanarMesh) -> list[int]:
 
 
 def region_name(mesh: PlanarMesh, region: int) -> str:
-    """Return what a legend calls a region: "bilayer", "bare substrate", "lower + substrate"."""
+    """Return the name of a region: "bilayer", "bare substrate", "lower + substrate"."""
     layers = sorted(mesh.layer_sets[region])
     count = len(frozenset().union(*mesh.layer_sets))
     if len(layers) == 1:

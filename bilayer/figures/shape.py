@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.style import (
-    MILLIMETRES,
+    MM_PER_M,
     new_figure,
     print_style,
 )
@@ -139,7 +139,7 @@ def _shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
             position = milestone["last_position"].values
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"
         if np.isfinite(position).all():
-            upright = MILLIMETRES * body_frame(mesh, position).coordinates(position)
+            upright = MM_PER_M * body_frame(mesh, position).coordinates(position)
             title = f"λ = {stretch_text(pairs[k])}"
             shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
     if not shapes:

@@ -1,4 +1,4 @@
-"""How the figures look: fonts and lines for print, colours that a colour-blind reader can tell."""
+"""The style of the figures: fonts and lines for print, colours for colour-blind readers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-MILLIMETRES = 1e3
+MM_PER_M = 1e3
 """Millimetres in a metre: lengths are drawn in mm."""
 
 KIRIGAMI_COLOUR, BARE_COLOUR = "#4477AA", "#EEBB44"

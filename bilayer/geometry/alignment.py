@@ -1,4 +1,4 @@
-"""Rigid motions of a shape: onto points that correspond, onto three held ones, and what is left."""
+"""Rigid motions of a shape: onto corresponding points, onto three held ones; the rms distance."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +23,14 @@ def best_rotation(moving: Array, fixed: Array, weights: Array) -> Rotation:
     return Rotation.align_vectors(_centred(fixed, weights), _centred(moving, weights), weights)[0]
 
 
-def aligned(moving: Array, fixed: Array, weights: Array) -> Array:
+def align(moving: Array, fixed: Array, weights: Array) -> Array:
     """Return `moving` after the rigid motion that brings it nearest to `fixed`, shape (n, 3)."""
     rotation = best_rotation(moving, fixed, weights)
     return rotation.apply(_centred(moving, weights)) + np.average(fixed, axis=0, weights=weights)
 
 
-def aligned_gradient(moving: Array, fixed: Array, weights: Array, gradient: Array) -> Array:
-    """Return the gradient by `moving` of a function whose gradient by `aligned` is given.
+def align_gradient(moving: Array, fixed: Array, weights: Array, gradient: Array) -> Array:
+    """Return the gradient by `moving` of a function whose gradient by `align` is given.
 
     The rotation follows the points. For a small turn w of the aligned points y about the fixed ones
     f, the condition sum weights y x f = 0 of the best rotation gives
@@ -40,7 +40,7 @@ def aligned_gradient(moving: Array, fixed: Array, weights: Array, gradient: Arra
     Parameters
     ----------
     moving, fixed, weights
-        As those of `aligned`.
+        As those of `align`.
     gradient : (n, 3) array of float
         Derivative of a number by the aligned points.
     """
@@ -65,11 +65,11 @@ def rms_distance(moving: Array, fixed: Array, weights: Array) -> float:
     weights : (n,) array of float
         Weight of each pair, for example the lumped area around a node.
     """
-    apart = aligned(moving, fixed, weights) - fixed
+    apart = align(moving, fixed, weights) - fixed
     return float(np.sqrt(np.average(np.sum(apart**2, axis=1), weights=weights)))
 
 
-def placed(shape: Array, flat: Array, held: tuple[int, int, int]) -> Array:
+def move_onto_held_points(shape: Array, flat: Array, held: tuple[int, int, int]) -> Array:
     """Move a shape rigidly so that six coordinates of three points are those of a flat state.
 
     Parameters

@@ -26,7 +26,7 @@ class NearestPoint:
         self._tree = KDTree(surface.samples)
         self._candidates = min(CANDIDATES, len(surface.samples))
 
-    def away(self, queries: Array) -> Array:
+    def vectors_to(self, queries: Array) -> Array:
         """Return the vector to each point from the nearest one of the surface, m, shape (q, 3).
 
         Parameters
@@ -36,21 +36,21 @@ class NearestPoint:
         """
         _, samples = self._tree.query(queries, k=self._candidates)
         triangles = samples.reshape(len(queries), -1) // 3  # three samples each, in their order
-        away = away_from_triangles(queries[:, None], self._corners[triangles])
+        away = vectors_from_triangles(queries[:, None], self._corners[triangles])
         nearest = _dot(away, away).argmin(axis=1)
         return np.take_along_axis(away, nearest[:, None, None], axis=1)[:, 0]
 
 
 def distance_to_triangles(points: Array, corners: Array) -> Array:
-    """Return the distance of each point from its triangle, m; see `away_from_triangles`."""
-    away = away_from_triangles(points, corners)
+    """Return the distance of each point from its triangle, m; see `vectors_from_triangles`."""
+    away = vectors_from_triangles(points, corners)
     return np.sqrt(_dot(away, away))
 
 
-def away_from_triangles(points: Array, corners: Array) -> Array:
+def vectors_from_triangles(points: Array, corners: Array) -> Array:
     """Return the vector to each point from the nearest one of its triangle, m, shape (..., 3).
 
-    It is the perpendicular where its foot lies inside, and that of the nearest edge elsewhere.
+    It is the perpendicular if its foot lies inside, and that of the nearest edge elsewhere.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ DEGREE_3_SHARES = np.array([-27, 25, 25, 25]) / 48
 """Shares of its area; together they integrate polynomials of degree 3."""
 
 ROUND_OFF = 1e-13
-"""What is less than this of the affine part is none."""
+"""A remainder below this share of the affine part counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from bilayer.mesh.planar import PlanarMesh, flat_surface
 
 Array = NDArray[np.float64]
 
-FLATNESS = 1e-6
+FLAT_SHAPE_TOLERANCE = 1e-6
 """Mean height over the rim, over the rim's rms radius, below which a shape has no apex."""
 
 
@@ -61,7 +61,7 @@ def body_frame(mesh: PlanarMesh, position: Array) -> BodyFrame:
     normal = _plane_normal(rim - origin)
     normal = normal * _apex_side(normal, surface, origin, rim)
     carried = _whole_rotation(mesh, position)
-    x = _carried_along(carried.apply([1.0, 0.0, 0.0]), carried.apply([0.0, 0.0, 1.0]), normal)
+    x = _rotate_x_axis(carried.apply([1.0, 0.0, 0.0]), carried.apply([0.0, 0.0, 1.0]), normal)
     return BodyFrame(origin, np.array([x, np.cross(normal, x), normal]))
 
 
@@ -71,13 +71,13 @@ def _plane_normal(centred: Array) -> Array:
 
 
 def _apex_side(normal: Array, surface: Surface, origin: Array, rim: Array) -> float:
-    """+1 where the normal points to the side of the rim's plane on which the body lies, else -1.
+    """+1 if the normal points to the side of the rim's plane on which the body lies, else -1.
 
     A flat body lies on neither; there its own upper side is taken.
     """
     height = normal @ (surface.centroid - origin)
     radius = np.sqrt(np.mean(np.sum((rim - origin) ** 2, axis=1)))
-    if abs(height) > FLATNESS * radius:
+    if abs(height) > FLAT_SHAPE_TOLERANCE * radius:
         return float(np.sign(height))
     return 1.0 if normal @ surface.area_vectors.sum(axis=0) >= 0 else -1.0
 
@@ -88,7 +88,7 @@ def _whole_rotation(mesh: PlanarMesh, position: Array) -> Rotation:
     return best_rotation(flat.points, position, flat.node_areas)
 
 
-def _carried_along(x: Array, z: Array, normal: Array) -> Array:
+def _rotate_x_axis(x: Array, z: Array, normal: Array) -> Array:
     """Rotate x, perpendicular to z, by the smallest rotation that takes the line of z to `normal`.
 
     For unit vectors it is x - (n.x)/(1 + n.z) (n + z), Rodrigues' formula with x.z = 0. z is

@@ -1,14 +1,14 @@
-"""How far a shape is from the hemisphere that it would make if its meridians kept their length.
+"""Distance of a shape from the hemisphere of equal meridian.
 
-A disc of radius R has meridians of length R; so has the hemisphere of radius a = 2 R / pi. Any
+A disc of radius R has meridians of length R. So does the hemisphere of radius a = 2 R / pi. Any
 other sheet is compared with the hemisphere of the disc of its area. The distance between a surface
 S and that hemisphere H is the area-weighted symmetric root mean square
 
     sqrt( (mean over S of d(x, H)^2 + mean over H of d(x, S)^2) / 2 )
 
-with d to the nearest point, at the placing of H that makes it least. Both directions count, so
-neither a surface that covers H in part nor one that reaches beyond it is taken for H. It is given
-over the distance of the flat disc, so 0 is the hemisphere and 1 is flat.
+with d to the nearest point, minimised over the position of H. Both directions count, so that
+neither a surface that covers only a part of H, nor one that reaches beyond it, has the distance 0.
+The result is divided by the distance of the flat disc: 0 is the hemisphere and 1 is flat.
 """
 
 import math
@@ -43,8 +43,8 @@ def hemisphere_distance(surface: Surface, frame: BodyFrame, flat_radius: float) 
     """
     radius = 2 * flat_radius / math.pi
     scaled = np.divide(frame.coordinates(surface.points), radius)
-    placed = Surface(scaled, surface.triangles)
-    return _distance_at_best(placed) * radius / flat_disc_distance(flat_radius)
+    aligned_surface = Surface(scaled, surface.triangles)
+    return _distance_at_best(aligned_surface) * radius / flat_disc_distance(flat_radius)
 
 
 def flat_disc_distance(flat_radius: float) -> float:
@@ -65,7 +65,7 @@ def flat_disc_distance(flat_radius: float) -> float:
     return flat_radius * math.sqrt(best.fun)
 
 
-def away_from_unit_hemisphere(points: Array) -> Array:
+def vectors_from_unit_hemisphere(points: Array) -> Array:
     """Return the vector to points from the nearest one of the unit sphere's upper half, (n, 3).
 
     Above the plane of the rim it is radial; below, the nearest point is on the rim. From the
@@ -107,8 +107,8 @@ def _distance_at_best(surface: Surface) -> float:
         turn = Rotation.from_euler("XY", [about_x, about_y])
         axes = np.array([[1.0, 0, 0], [0, math.cos(about_x), math.sin(about_x)]])
         from_centre, around = surface.samples - centre, turn.apply(hemisphere)
-        there = turn.apply(away_from_unit_hemisphere(turn.inv().apply(from_centre)))
-        back = nearest.away(centre + around)
+        there = turn.apply(vectors_from_unit_hemisphere(turn.inv().apply(from_centre)))
+        back = nearest.vectors_to(centre + around)
         parts = [
             _distances_as_it_moves(share, there, -1.0, from_centre, axes),
             _distances_as_it_moves(share_back, back, 1.0, around, axes),
@@ -140,7 +140,7 @@ def _distances_as_it_moves(
     away : (n, 3) array of float
         Vectors to them from the nearest points of the other body.
     sense : float
-        1 where the points move, -1 where the other body does.
+        1 if the points move, -1 if the other body does.
     arms : (n, 3) array of float
         Vectors to the points from the centre of the turns.
     axes : (2, 3) array of float

@@ -1,6 +1,6 @@
 """Measures of a released shape: spans in its own frame, best sphere, quality as a hemisphere.
 
-docs/measures.md has the formulas, where they come from and how they can be fooled.
+docs/measures.md has the formulas, their sources, and shapes that they misjudge.
 """
 
 import math
@@ -15,13 +15,13 @@ from bilayer.measures.hemisphere import hemisphere_distance
 from bilayer.measures.sphere import Sphere, fit_sphere
 from bilayer.mesh.planar import PlanarMesh
 
-FLAT = 50.0
+FLAT_SPHERE_RATIO = 50.0
 """A sphere of more than this many flat radii is a flat sheet, of quality 1."""
 
 
 @dataclass(frozen=True)
 class ShapeMeasures:
-    """What is measured of one shape, in m where a length.
+    """The measures of one shape; lengths in m.
 
     `span` is the extent (x, y, z) in the body frame, `height` its z.
     """
@@ -75,7 +75,7 @@ def measure_shape(
 
 
 def quality(sphere: Sphere, span: NDArray[np.float64], flat_radius: float) -> float:
-    """Return how far a shape is from a hemisphere: 0 is a hemisphere, 1 is flat.
+    """Return the quality of a shape: 0 is a hemisphere, 1 is flat.
 
     A reading of the paper's section VII, which compares the spans with the radius of a hemisphere
     and adds the root mean square error, without a formula: the mean of |1 - Lx/2a|, |1 - Ly/2a|
@@ -88,10 +88,10 @@ def quality(sphere: Sphere, span: NDArray[np.float64], flat_radius: float) -> fl
     span : (3,) array of float
         Extents Lx, Ly, Lz in the body frame, m.
     flat_radius : float
-        See `measure_shape`; with a beyond `FLAT` times it the shape is flat.
+        See `measure_shape`; with a beyond `FLAT_SPHERE_RATIO` times it the shape is flat.
     """
     a = sphere.radius
-    if a > FLAT * flat_radius:
+    if a > FLAT_SPHERE_RATIO * flat_radius:
         return 1.0
     misfit = np.mean(np.abs(1 - span / np.array([2 * a, 2 * a, a])))
     return float(min(1.0, misfit + sphere.rmse / a))

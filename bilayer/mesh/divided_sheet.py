@@ -149,9 +149,9 @@ class DividedSheet:
 
     @cached_property
     def _fine(self) -> tuple[list[Vertex], list[Chain]]:
-        """Return what the corner size is for: the corners within the sheet, or else the cuts.
+        """Return the places of the corner size: the corners within the sheet, or else the cuts.
 
-        The cuts are meant where none of them has a corner within.
+        The cuts are taken if none of them has a corner within the sheet.
         """
         rim = self.outline.boundary
         near = 10 * SNAP * math.sqrt(self.outline.area)
@@ -204,7 +204,7 @@ class DividedSheet:
         field.setAsBackgroundMesh(growth)
 
     def _further_triangles(self) -> float:
-        """Return how many triangles the corner size adds.
+        """Return the number of triangles that the corner size adds.
 
         The edge length h = c + g r at the distance r, up to h = s: TRIANGLES_PER_AREA times the
         integral of 1/h^2 - 1/s^2 over the area, around points and beside lines.

@@ -1,4 +1,4 @@
-"""What a flat sheet is for gmsh: surfaces on each of which the same layers lie.
+"""The drawing of a flat sheet in gmsh: surfaces on each of which the same layers lie.
 
 A disc whose layers are whole or cut by the same sectors is drawn with arcs (`sector_disc`), any
 other sheet by its outline and the edges of its patterns (`divided_sheet`).

@@ -12,7 +12,7 @@ from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.output_file import HDF5_ROOM, whole_file
 
 FORMATS = {".msh": "gmsh22"}
-"""Where the ending leaves a choice: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
+"""Formats of ambiguous endings: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
 
 
 def read_mesh_file(path: str | Path) -> meshio.Mesh:

@@ -54,7 +54,7 @@ def check_memory(
     what : str
         For the message: "the mesh", "the finite-element model", ...
     available : float, optional
-        Bytes; what this machine has where left out.
+        Bytes; what this machine has if left out.
     """
     count = estimated_triangles(specimen)
     triangles = f"mesh.size = {specimen.mesh.size} m: about {count:.3g}"
@@ -75,7 +75,7 @@ def mesh_within_memory(
     Parameters
     ----------
     specimen : Specimen
-        To be meshed where there is no mesh.
+        To be meshed if there is no mesh.
     mesh : PlanarMesh or None
         The mesh that is given.
     bytes_per_triangle, what, available

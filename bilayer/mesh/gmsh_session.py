@@ -16,7 +16,7 @@ OPTIONS: Mapping[str, float] = {
     "Mesh.MeshSizeFromPoints": 1,
     "Mesh.RecombineAll": 0,
 }
-"""What a mesh depends on; a user's own values are put back."""
+"""Options on which a mesh depends; the user's own values are restored."""
 
 _MODEL = "bilayer-shells"
 

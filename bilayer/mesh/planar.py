@@ -21,7 +21,7 @@ from bilayer.mesh.files import read_mesh_file, write_mesh_file
 from bilayer.mesh.validity import check_points, check_region, check_sheet
 from bilayer.specimen.two_layers import TWO_LAYERS
 
-FLATNESS = 1e-9
+PLANE_TOLERANCE = 1e-9
 """Range of z that a planar mesh in space may have, over its extent."""
 ROUND_OFF = 1e-9
 """Distance over the extent of the mesh that counts as none."""
@@ -185,7 +185,7 @@ def read_planar_mesh(
         The file.
     layer_sets : sequence of frozenset of str
         The layers that its regions stand for, see `bilayer.specimen.specimen.Specimen.layer_sets`;
-        a bilayer's where left out.
+        a bilayer's if left out.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def _planar(data: meshio.Mesh, layer_sets: Sequence[frozenset[str]]) -> PlanarMe
     points = data.points[kept]
     check_points(points)
     heights, extent = points[:, 2:], np.ptp(points[:, :2], axis=0).max()
-    if np.ptp(heights, axis=0).max(initial=0.0) > FLATNESS * extent:
+    if np.ptp(heights, axis=0).max(initial=0.0) > PLANE_TOLERANCE * extent:
         raise InputError(
             f"its z goes from {heights.min():g} to {heights.max():g} m, expected a plane"
         )

@@ -93,7 +93,7 @@ class SectorDisc:
         return [DrawnPart([disc], self.in_strips), DrawnPart(bare, self.everywhere)]
 
     def _sectors(self, r: NDArray[np.float64]) -> tuple[Any, NDArray[np.float64]]:
-        """Return how many sectors there are, and their angle: all around, or strips and cutouts."""
+        """Return the number of sectors and their angle: all around, or strips and cutouts."""
         cut = self.cut
         if cut is None:
             return 1, np.full_like(r, 2 * math.pi)
@@ -134,7 +134,7 @@ class SectorDisc:
 
 
 class _Cutout(NamedTuple):
-    """What the drawing of the strips needs to know of a drawn cutout."""
+    """A drawn cutout: its surface, and the points and edges that it shares with the strips."""
 
     surface: int
     cut_edges: list[int]

@@ -1,7 +1,8 @@
-"""What makes points and triangles a mesh of one flat sheet, seen from above.
+"""The checks that points and triangles are a mesh of one flat sheet.
 
-Every point in a triangle, every triangle counterclockwise and with an area, one or two triangles
-at every edge, one on either side, and all of them in one piece. What is not so is named.
+Every point is in a triangle. Every triangle is counterclockwise and has an area. Every edge has one
+triangle, or two on different sides. All triangles form one connected piece. The error names the
+first point, triangle or edge that fails.
 """
 
 import numpy as np
@@ -18,14 +19,14 @@ SLIVER = 1e-6
 
 
 def check_points(points: NDArray[np.float64]) -> None:
-    """Raise InputError where a coordinate is no finite number; points of shape (n, 2) or (n, 3)."""
+    """Raise InputError if a coordinate is no finite number; points of shape (n, 2) or (n, 3)."""
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         raise InputError(f"node {bad[0]} lies at {points[bad[0]]}: expected finite numbers, m")
 
 
 def check_region(region: ArrayLike, known: tuple[int, ...]) -> None:
-    """Raise InputError where the region of a triangle, of shape (m,), is not one of those known."""
+    """Raise InputError if the region of a triangle, of shape (m,), is not one of those known."""
     values = np.asarray(region).ravel()
     bad = np.flatnonzero(~np.isin(values, known))
     if len(bad):

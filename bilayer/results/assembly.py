@@ -14,16 +14,15 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.layer_variables import body_name, layer_variables, surface_name
 from bilayer.results.schema import FORMAT, SCHEMA_VERSION, MilestoneState
 from bilayer.runtime.version import git_commit, own_versions
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.settings import settings_to_toml
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import specimen_to_toml
 
-Stretch = tuple[float, float]
-
 
 @dataclass(frozen=True)
 class Provenance:
-    """What makes a result, found out before it is made.
+    """The program and settings that make a result, recorded before it is made.
 
     Parameters
     ----------
@@ -47,7 +46,7 @@ class Provenance:
     def found(
         cls, solver: str, model: str, settings: Any, versions: Mapping[str, str]
     ) -> "Provenance":
-        """Return what makes results here and now.
+        """Return the provenance of results that are made now.
 
         Parameters
         ----------
@@ -134,7 +133,7 @@ def build_result(
 
 
 def _measured(
-    specimen: Specimen, mesh: PlanarMesh, stretch: Stretch, state: MilestoneState
+    specimen: Specimen, mesh: PlanarMesh, stretch: StretchPair, state: MilestoneState
 ) -> MilestoneState:
     """Return a state with the measures of its shape."""
     if state.measures is not None:

@@ -1,4 +1,4 @@
-"""What speaks against a shape: it is not stable, passes through itself, or is of a thick shell."""
+"""Caveats of a shape: it is not stable, passes through itself, or is of a thick shell."""
 
 import numpy as np
 import xarray as xr
@@ -13,17 +13,17 @@ Its source is the table of distances between the two solvers in docs/verificatio
 
 
 def is_unstable(result: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether another shape near by has less energy, for each milestone.
+    """Return for each milestone whether its shape is unstable: a shape nearby has less energy.
 
-    False where the method cannot tell.
+    False if the method cannot tell.
     """
     return np.asarray(result["unstable_modes"].values > 0)
 
 
 def touches_itself(result: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether parts of the body overlap, for each milestone: contact is found, not resisted.
+    """Return for each milestone whether the body touches itself: contact is found, not resisted.
 
-    False where it is not known, as in files older than the measure.
+    False if it is not known, as in files older than the measure.
     """
     if "self_contact_gap" not in result:
         return np.zeros(result["converged"].shape, dtype=bool)
@@ -31,7 +31,7 @@ def touches_itself(result: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def caveats(result: xr.Dataset) -> list[str]:
-    """Return a few words for each milestone of one result, empty where nothing is against it."""
+    """Return a few words for each milestone of one result, empty if nothing is against it."""
     words = zip(
         np.where(is_unstable(result), "unstable", ""),
         np.where(touches_itself(result), "touches itself", ""),

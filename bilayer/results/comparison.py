@@ -1,6 +1,6 @@
 """Two results on the same planar mesh, milestone by milestone.
 
-The rms distance is taken over the nodes of the bonded interface, by their flat lumped areas, after
+The rms distance is taken over the nodes of the reference surface, by their flat lumped areas, after
 the rigid motion that makes it least. Everything else is each result's own measure, side by side.
 """
 
@@ -50,7 +50,7 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         Over the milestones that both have: `rms_distance` in m and `rms_distance_over_radius`,
-        NaN where one of them was not reached, and, over the dimension `result`, the measures of
+        NaN if one of them was not reached, and, over the dimension `result`, the measures of
         each, with `unstable` and `touches_itself`. Attributes `first` and `second` are their
         labels.
 
@@ -187,7 +187,7 @@ def _common_milestones(
 
 
 def _visits(pairs: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return how often each milestone's prestretch stands before it in the list, shape (n,)."""
+    """Return the number of earlier visits to each milestone's prestretch, shape (n,)."""
     same = np.abs(pairs[:, None] - pairs[None]).max(axis=2) < SAME_STRETCH
     return np.tril(same, k=-1).sum(axis=1)
 
@@ -195,7 +195,7 @@ def _visits(pairs: NDArray[np.float64]) -> NDArray[np.int64]:
 def _distances(
     mesh: PlanarMesh, first: NDArray[np.float64], second: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Rms distance at each milestone, m; NaN where a position is."""
+    """Rms distance at each milestone, m; NaN if a position is."""
     weights = flat_surface(mesh).node_areas
     known = np.isfinite(first + second).all(axis=(1, 2))
     distance = np.full(len(first), np.nan)

@@ -1,6 +1,6 @@
 """A result as mesh files for ParaView and others: one file per shape.
 
-The middle surface is the bonded interface on the planar mesh. The volume, where a solver kept it,
+The middle surface is the reference surface on the planar mesh. The volume, if a solver kept it,
 is read from `volume_position` (prestretch, volume_node, xyz), `volume_reference_position`,
 `volume_cells` (volume_cell, vertex: tetrahedra) and `layer` (volume_cell:
 0 substrate, 1 kirigami).
@@ -39,7 +39,7 @@ def convert_result(
     path : path-like
         The file.
     prestretch : float, optional
-        Which milestone; the last one that was reached where left out.
+        Which milestone; the last one that was reached if left out.
     part : {"midsurface", "volume"}
         What to write.
 

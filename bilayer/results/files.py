@@ -25,7 +25,7 @@ RESUME_GROUP = "resume"
 
 @dataclass(frozen=True, eq=False)
 class ResumePoint:
-    """Where a run that is not finished can be taken up.
+    """The point from which a run that is not finished can be resumed.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def open_result(path: str | Path) -> xr.Dataset:
 
 
 def open_resume_point(path: str | Path) -> ResumePoint | None:
-    """Return where the run of a result file can be taken up; None if the run is finished.
+    """Return the point from which the run of a file can be resumed; None if it is finished.
 
     Raises
     ------

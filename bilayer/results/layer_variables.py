@@ -12,12 +12,12 @@ BODIES = {2: "bilayer", 3: "trilayer"}
 
 
 def body_name(specimen: Specimen) -> str:
-    """Return what a sheet is called, by its number of layers."""
+    """Return the name of a sheet by its number of layers."""
     return BODIES.get(len(specimen.layers), f"sheet of {len(specimen.layers)} layers")
 
 
 def surface_name(specimen: Specimen) -> str:
-    """Return what the reference surface is called: "bonded interface", "middle of substrate"."""
+    """Return the name of the reference surface: "bonded interface", "middle of substrate"."""
     two = len(specimen.layers) == len(LAYERS)
     return "bonded interface" if two else str(specimen.reference_surface)
 

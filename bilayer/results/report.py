@@ -1,4 +1,4 @@
-"""Results as text: the table of one run, and what made it."""
+"""Results as text: the table of one run, and its provenance."""
 
 import tomllib
 
@@ -41,7 +41,7 @@ def result_table(result: xr.Dataset) -> str:
 
 
 def provenance(result: xr.Dataset) -> str:
-    """Return what made a result: solver, specimen, mesh, settings, versions, and its table."""
+    """Return the provenance of a result: solver, specimen, mesh, settings, versions; its table."""
     result = along_milestones(result)
     specimen, mesh = result_specimen(result), result_mesh(result)
     done = int(result["converged"].sum())
@@ -61,7 +61,7 @@ def provenance(result: xr.Dataset) -> str:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
     if NOT_MEASURED in result.attrs:
         lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
-    return "\n".join([*lines, "", result_table(result), "", trust(result)])
+    return "\n".join([*lines, "", result_table(result), "", describe_trust(result)])
 
 
 def _energies(result: xr.Dataset) -> str:
@@ -75,7 +75,7 @@ def _energies(result: xr.Dataset) -> str:
 def contact_words(result: xr.Dataset) -> list[str]:
     """Return for each milestone whether the body touches itself: "yes", "no", or the gap in mm.
 
-    The gap where it is small enough to be measured; "-" where there is no shape, "?" where the
+    The gap if it is small enough to be measured; "-" if there is no shape, "?" if the
     file is older than the measure.
     """
     if "self_contact_gap" not in result:
@@ -91,22 +91,22 @@ def _contact_word(gap: float) -> str:
     return "no" if np.isinf(gap) else f"{1e3 * gap:.2f} mm"
 
 
-def trust(result: xr.Dataset) -> str:
-    """Return in a few sentences how far the result can be trusted."""
+def describe_trust(result: xr.Dataset) -> str:
+    """Return a few sentences on the trust that the result deserves."""
     if not result["converged"].values.any():
         return "No milestone was reached: there is no equilibrium in this file."
     lost = stretches(result)[result["converged"].values == 0]
     missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
     sentences = [
-        _trust_as_equilibrium(result),
-        _trust_without_contact(result),
+        _describe_equilibrium(result),
+        _describe_contact(result),
         *thickness_warnings(result),
         *law_warnings(result),
     ]
     return " ".join(sentences) + missing
 
 
-def _trust_as_equilibrium(result: xr.Dataset) -> str:
+def _describe_equilibrium(result: xr.Dataset) -> str:
     done = result["converged"].values.astype(bool)
     modes = result["unstable_modes"].values[done]
     residual = result["residual"].values[done].max()
@@ -133,8 +133,8 @@ def law_warnings(result: xr.Dataset) -> list[str]:
     return list(filter(None, warnings))
 
 
-def _trust_without_contact(result: xr.Dataset) -> str:
-    """Say from where on the shape would have needed contact, which the solvers do not have."""
+def _describe_contact(result: xr.Dataset) -> str:
+    """Return the milestones at which the body touches itself, and the first contact, as a text."""
     if "self_contact_gap" not in result:
         return "Self-contact was not looked for when this file was made."
     gaps = result["self_contact_gap"].values

@@ -43,7 +43,7 @@ SAME_STRETCH = 1e-9
 
 @dataclass(frozen=True)
 class MilestoneState:
-    """What a solver found at one milestone.
+    """The state at one milestone.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class MilestoneState:
     wall_time : float
         Seconds spent on this milestone.
     unstable_modes : int
-        Number of unstable modes; -1 where the method cannot tell.
+        Number of unstable modes; -1 if the method cannot tell.
     measures : Measures or None
         Of the shape; None: not measured yet.
     """

@@ -1,4 +1,4 @@
-"""The shapes of another result, where they lead the way of a run."""
+"""The shapes of another result, as the initial guesses of a run."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,9 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH, result_mesh
 from bilayer.results.table import stretches
+from bilayer.specimen.prestretch import StretchPair
 
 Array = NDArray[np.float64]
-Stretch = tuple[float, float]
 
 SAME_PLACE = 9
 """Decimals of a share of a way that tell two shapes apart."""
@@ -75,7 +75,7 @@ class StartShapes:
             raise InputError("start: has no converged milestone, expected at least one")
         return cls(stretches(start)[reached], start["position"].values[reached])
 
-    def take_shapes(self, begin: Stretch, end: Stretch) -> list[ShapeOnTheWay]:
+    def take_shapes(self, begin: StretchPair, end: StretchPair) -> list[ShapeOnTheWay]:
         """Return the shapes on the way from one target to the next, in their order."""
         shares = [share_of_way(begin, end, pair) for pair in self.stretches]
         taken: dict[float, int] = {}
@@ -96,7 +96,7 @@ class StartShapes:
         arrival = next((k for k in later if shares[k] == 1), None)
         return range(len(shares)) if arrival is None else range(self.last + 1, arrival + 1)
 
-    def take_nearest(self, target: Stretch) -> ShapeOnTheWay:
+    def take_nearest(self, target: StretchPair) -> ShapeOnTheWay:
         """Return the shape of the nearest prestretch, to stand in for that at a target.
 
         Nearest in the larger stretch, then in both; the first of those that are as near.
@@ -108,13 +108,13 @@ class StartShapes:
         return ShapeOnTheWay(0.0, self.positions[nearest])
 
 
-def way_length(begin: Stretch, end: Stretch) -> float:
+def way_length(begin: StretchPair, end: StretchPair) -> float:
     """Return the larger change of the two stretches."""
     return max(abs(b - a) for a, b in zip(begin, end, strict=True))
 
 
-def share_of_way(begin: Stretch, end: Stretch, pair: Array) -> float | None:
-    """Return where on a way a pair of stretches lies, in (0, 1], or None."""
+def share_of_way(begin: StretchPair, end: StretchPair, pair: Array) -> float | None:
+    """Return the share of a way at which a pair of stretches lies, in (0, 1], or None."""
     length = way_length(begin, end)
     if length < SAME_STRETCH:
         return 1.0 if np.abs(pair - end).max() < SAME_STRETCH else None

@@ -1,7 +1,7 @@
-"""What a run starts from: another result on the same planar mesh, made on purpose or read.
+"""The start of a run: another result on the same planar mesh, computed for it or read.
 
-A start holds shapes along the way: at milestones of the run, or between them. The accurate shell
-makes them in seconds (`shell_start`), and a solver that goes there takes few iterations.
+A start holds shapes at milestones of the run, or between them. The accurate shell computes them in
+seconds. A solver that uses them as initial guesses takes few iterations.
 """
 
 import math
@@ -13,20 +13,21 @@ from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes, way_length
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
 LONGEST_WAY = 0.06
 """Change of the prestretch after which a start has another shape on the way to a milestone."""
 
-FLAT = "flat"
+FLAT_START = "flat"
 ANOTHER_RESULT = "another result: "
-"""How a result says what it was started from: flat (and how, on a fine mesh of the shell), by
-another result, or by itself (the shell)."""
-
-Stretch = tuple[float, float]
+"""Beginnings of a result's attribute `start`: flat (or, on a fine mesh of the shell, flat on a
+coarse mesh first), or another result."""
 
 
-def starting_shape(start: xr.Dataset, mesh: PlanarMesh, stretch: Stretch) -> NDArray[np.float64]:
+def starting_shape(
+    start: xr.Dataset, mesh: PlanarMesh, stretch: StretchPair
+) -> NDArray[np.float64]:
     """Return the shape of a result at its milestone nearest to a prestretch.
 
     Returns
@@ -43,8 +44,8 @@ def starting_shape(start: xr.Dataset, mesh: PlanarMesh, stretch: Stretch) -> NDA
 
 
 def with_waypoints(specimen: Specimen) -> Specimen:
-    """Return the specimen with milestones added where two are far apart in prestretch."""
-    milestones: list[Stretch] = []
+    """Return the specimen with milestones added if two are far apart in prestretch."""
+    milestones: list[StretchPair] = []
     for begin, end in _ways(specimen.prestretch.milestones):
         pieces = max(1, math.ceil(way_length(begin, end) / LONGEST_WAY * (1 - 1e-9)))
         milestones += [_between(begin, end, piece / pieces) for piece in range(1, pieces)]
@@ -52,13 +53,13 @@ def with_waypoints(specimen: Specimen) -> Specimen:
     return specimen.with_milestones(milestones)
 
 
-def began(start: xr.Dataset | None) -> str:
-    """Return what a result says of what it was told to start from."""
-    return FLAT if start is None else ANOTHER_RESULT + described(start)
+def describe_start(start: xr.Dataset | None) -> str:
+    """Return the attribute `start` of a result that was given this start."""
+    return FLAT_START if start is None else ANOTHER_RESULT + describe_run(start)
 
 
-def described(start: xr.Dataset) -> str:
-    """Return in a line what a start is and what it took."""
+def describe_run(start: xr.Dataset) -> str:
+    """Return a start in a line: its solver, model, iterations and time."""
     iterations, seconds = int(start["iterations"].sum()), float(start["wall_time"].sum())
     return (
         f"{start.attrs['solver']}, model {start.attrs['model']}, "
@@ -66,10 +67,10 @@ def described(start: xr.Dataset) -> str:
     )
 
 
-def _ways(milestones: Sequence[Stretch]) -> list[tuple[Stretch, Stretch]]:
+def _ways(milestones: Sequence[StretchPair]) -> list[tuple[StretchPair, StretchPair]]:
     return list(zip([(1.0, 1.0), *milestones[:-1]], milestones, strict=True))
 
 
-def _between(begin: Stretch, end: Stretch, share: float) -> Stretch:
+def _between(begin: StretchPair, end: StretchPair, share: float) -> StretchPair:
     x, y = (a + share * (b - a) for a, b in zip(begin, end, strict=True))
     return x, y

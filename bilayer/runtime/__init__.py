@@ -1,1 +1,1 @@
-"""What a run needs of its machine: whole files, ranks, progress, signals, versions."""
+"""Services of the machine to a run: whole files, ranks, progress, signals, versions."""

@@ -22,7 +22,7 @@ def available_memory(
     ----------
     comm : mpi4py.MPI.Comm, optional
         The ranks that share a model, possibly on several machines: each machine counts once. All
-        of them call. This machine alone where left out.
+        of them call. This machine alone if left out.
     machine_of : callable
         Returns the communicator of the ranks on the same machine.
     """

@@ -1,4 +1,4 @@
-"""How far a run is, on stderr: a bar where a person looks at it, now and then a line in a log."""
+"""Progress of a run on stderr: a bar on a terminal, a line from time to time in a log."""
 
 import sys
 import time

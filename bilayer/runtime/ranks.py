@@ -14,7 +14,7 @@ LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
 
 
 def join_mpi() -> None:
-    """Start MPI where it is installed, so that only one of several ranks speaks and writes."""
+    """Start MPI if it is installed, so that only one of several ranks speaks and writes."""
     with contextlib.suppress(ImportError):
         import mpi4py.MPI
 
@@ -23,7 +23,7 @@ def join_mpi() -> None:
 
 
 def start_petsc() -> None:
-    """Start PETSc and SLEPc where they are installed, on all ranks at once.
+    """Start PETSc and SLEPc if they are installed, on all ranks at once.
 
     Their start waits for every rank; later some may have nothing to compute and never get there.
     """
@@ -93,7 +93,7 @@ def on_first_rank(comm: Any, action: Callable[[], None]) -> None:
 
 
 def _communicator() -> Any:
-    """Return COMM_WORLD where MPI is in use in this process, else None."""
+    """Return COMM_WORLD if MPI is in use in this process, else None."""
     mpi = sys.modules.get("mpi4py.MPI")
     return None if mpi is None else mpi.COMM_WORLD
 

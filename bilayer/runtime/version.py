@@ -1,4 +1,4 @@
-"""What made a result: the version of this package, its commit, and what computes for it."""
+"""The versions that made a result: of this package, its commit, and its libraries."""
 
 import importlib.metadata
 import platform
@@ -8,7 +8,7 @@ from pathlib import Path
 __version__ = "0.1.0"
 
 COMMIT_FILE = Path(__file__).parents[1] / "COMMIT"
-"""Written where the package is installed without its repository, as in the Docker image."""
+"""Written if the package is installed without its repository, as in the Docker image."""
 
 MAKERS = (".", ":(exclude)results")
 """Whose changes count: `scripts/reproduce` writes into results/, which makes nothing else."""
@@ -17,7 +17,7 @@ MAKERS = (".", ":(exclude)results")
 def git_commit() -> str:
     """Return the commit of the checkout that holds this package, or an empty text.
 
-    It ends in "-dirty" where what makes results has been changed since.
+    It ends in "-dirty" if what makes results has been changed since.
 
     An installed package has no checkout; it may have been told its commit when it was built. If
     the commit cannot be found out, for whatever reason, the text is empty.

@@ -21,10 +21,10 @@ from bilayer.errors import ComputationError
 from bilayer.measures.milestone import Measures
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
 Array = NDArray[np.float64]
-Stretch = tuple[float, float]
 Saved = Mapping[str, NDArray[Any]]
 """All that a path needs to go on, as arrays (numbers or text) by name; part of a file."""
 Start = xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None
@@ -133,14 +133,14 @@ class Linearised(Protocol):
         """
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the position changes, (n, 3), m, with the state, (dofs,)."""
+        """Return the change of the position, (n, 3), m, with the state, (dofs,)."""
 
 
 class Equilibrium(PathPoint, Protocol):
     """A specimen in equilibrium on its load path, good until the path goes on."""
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """(lambda_x, lambda_y) of its prestretch."""
 
     @property
@@ -157,13 +157,13 @@ class Equilibrium(PathPoint, Protocol):
 
     @property
     def unstable_modes(self) -> int:
-        """Number of unstable modes; -1 where the method cannot tell, or nobody has counted."""
+        """Number of unstable modes; -1 if the method cannot tell, or nobody has counted."""
 
     def measures(self) -> Measures:
         """Return the measures of the shape."""
 
     def details(self) -> Any:
-        """Return what `SpecimenPath.variables` needs of this milestone; it must outlive it."""
+        """Return the data of this milestone for `SpecimenPath.variables`; they must outlive it."""
 
     def save(self) -> Saved:
         """Return all that the path needs to go on from here, for `SpecimenPath.restore`."""
@@ -181,14 +181,14 @@ class Recorded:
     effort : Effort
         The work since the milestone before.
     details : any
-        From `Equilibrium.details`; None where the milestone was not reached.
+        From `Equilibrium.details`; None if the milestone was not reached.
     """
 
     effort: Any
     details: Any
 
 
-class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
+class SpecimenPath(Path[StretchPair, Equilibrium], Protocol):
     """The load path of a specimen."""
 
     @property
@@ -201,7 +201,7 @@ class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
 
     @property
     def start(self) -> str:
-        """How the path began, in a line, as far as it is known by now."""
+        """The start of the path, in one line, as far as it is known by now."""
 
     @property
     def versions(self) -> Mapping[str, str]:
@@ -220,7 +220,7 @@ class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
         Parameters
         ----------
         milestones : sequence of Recorded or None
-            Of the milestones so far, in their order; None where an earlier run has tried it: that
+            Of the milestones so far, in their order; None if an earlier run has tried it: that
             row is taken from its file. The dataset has a row for every milestone of the specimen.
         """
 
@@ -229,7 +229,7 @@ class SpecimenPath(Path[Stretch, Equilibrium], Protocol):
 
 
 class OpenPath(Protocol):
-    """How a solver makes a path."""
+    """A function with which a solver makes a path."""
 
     def __call__(
         self,
@@ -250,11 +250,11 @@ class OpenPath(Protocol):
         settings : settings dataclass
             One of the solver's models.
         mesh : PlanarMesh or None
-            The planar mesh; made from the specimen where None.
+            The planar mesh; made from the specimen if None.
         start : Dataset, callable or None
             See `Start`.
         comm : mpi4py.MPI.Comm or None
-            The ranks that share the path; where the solver is parallel, None is all of them.
+            The ranks that share the path; if the solver is parallel, None is all of them.
         progress : callable or None
             Told of what comes before the path, such as another path on a coarse mesh.
 

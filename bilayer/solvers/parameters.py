@@ -18,18 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
-
-Stretch = tuple[float, float]
 
 RELATIVE_CHANGE = 1e-5
 """Of a parameter: the difference errs by its square and by round-off over it, about 1e-10."""
 
 
 def central_difference(
-    value: Callable[[Specimen, Stretch], NDArray[np.float64]],
+    value: Callable[[Specimen, StretchPair], NDArray[np.float64]],
     specimen: Specimen,
-    stretch: Stretch,
+    stretch: StretchPair,
     parameter: str,
 ) -> NDArray[np.float64]:
     """Return the derivative of a function by a parameter.
@@ -55,13 +54,13 @@ def central_difference(
     return np.asarray((above - below) / (2 * change))
 
 
-def parameter_scale(specimen: Specimen, stretch: Stretch, parameter: str) -> float:
-    """Return the size that a change of a parameter is measured by: its value, 1 where that is 0."""
+def parameter_scale(specimen: Specimen, stretch: StretchPair, parameter: str) -> float:
+    """Return the size that a change of a parameter is measured by: its value, 1 if that is 0."""
     value = parameter_value(specimen, stretch, parameter)
     return abs(value) if value else 1.0
 
 
-def parameter_value(specimen: Specimen, stretch: Stretch, parameter: str) -> float:
+def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) -> float:
     """Return a parameter; that of `prestretch` is the larger stretch."""
     match parameter.split("."):
         case ["prestretch"]:
@@ -85,8 +84,8 @@ def parameter_value(specimen: Specimen, stretch: Stretch, parameter: str) -> flo
 
 
 def changed(
-    specimen: Specimen, stretch: Stretch, parameter: str, change: float
-) -> tuple[Specimen, Stretch]:
+    specimen: Specimen, stretch: StretchPair, parameter: str, change: float
+) -> tuple[Specimen, StretchPair]:
     """Return a specimen and its prestretch with a parameter changed by so much."""
     value = parameter_value(specimen, stretch, parameter) + change
     match parameter.split("."):

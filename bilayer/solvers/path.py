@@ -89,7 +89,7 @@ def follow_path(
     Yields
     ------
     LoadStep
-        Each point; where a target cannot be reached, the one where the path stopped. On a
+        Each point; if a target cannot be reached, the one where the path stopped. On a
         `TargetMissedError` the next target follows; after another `ComputationError`, or when there
         is no more memory, it is the last.
     """

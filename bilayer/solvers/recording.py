@@ -1,8 +1,8 @@
-"""What a run keeps of each milestone, from the moment at which it is reached.
+"""The record of a run: each milestone is kept from the moment at which it is reached.
 
-`Recorder` is an observer of the driver. At a milestone it collects what a result has of it,
-measures the shape, and writes the file so far, before the path goes on. Ctrl-C and SIGTERM wait
-until that is done.
+`Recorder` is an observer of the driver. At a milestone it collects the data of a result, measures
+the shape, and writes the file so far, before the path goes on. Ctrl-C and SIGTERM wait until that
+is done.
 """
 
 from collections.abc import Hashable, Iterable
@@ -23,24 +23,23 @@ from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Recorded, Saved, SpecimenPath, TargetMissedError
 from bilayer.solvers.path import LoadStep
 from bilayer.solvers.resuming import Unfinished
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
-Stretch = tuple[float, float]
-
-MILESTONES = "prestretch"
+MILESTONE_DIMENSION = "prestretch"
 """The dimension of a result along which it grows."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Milestone:
-    """What is kept of a milestone that is over.
+    """The record of a milestone that is over.
 
     Parameters
     ----------
     state : MilestoneState
-        What every solver tells.
+        The part that every solver has.
     own : Recorded or None
-        What this solver alone tells; None: it stands in the file of an earlier run.
+        The part of this solver alone; None if it is in the file of an earlier run.
     reason : str
         Why it was not reached, or an empty text.
     """
@@ -123,7 +122,7 @@ class Recorder:
         return with_rows_of(self._earlier.result, result, len(self._earlier.states), own.data_vars)
 
     def _collected(self, step: LoadStep[Any, Equilibrium]) -> _Milestone:
-        """Return what is kept of a milestone; on every rank."""
+        """Return the record of a milestone; on every rank."""
         point = step.point
         state = MilestoneState(
             point.position,
@@ -139,7 +138,7 @@ class Recorder:
         details = point.details() if step.is_at_target else None
         return _Milestone(state, Recorded(step.effort, details), _reason(step))
 
-    def _finish(self, target: Stretch) -> None:
+    def _finish(self, target: StretchPair) -> None:
         """Measure the last milestone and write the file; on the first rank."""
         last = self._milestones[-1]
         measures = self._measured(target, last.state)
@@ -148,8 +147,8 @@ class Recorder:
         if self._output is not None:
             write_result(self.result(), self._output, self._resume_point())
 
-    def _measured(self, target: Stretch, state: MilestoneState) -> Measures:
-        """Return the measures of a shape; if they fail, NaN, and a word of it."""
+    def _measured(self, target: StretchPair, state: MilestoneState) -> Measures:
+        """Return the measures of a shape; NaN if they fail, which is noted."""
         if not state.converged:
             return Measures.undefined()
         try:
@@ -160,12 +159,12 @@ class Recorder:
 
     @property
     def _reasons(self) -> tuple[str, ...]:
-        """Why some milestones were not reached."""
+        """Reasons of the milestones that were not reached."""
         earlier = () if self._earlier is None else self._earlier.point.reasons
         return (*earlier, *(done.reason for done in self._milestones if done.reason))
 
     def _resume_point(self) -> ResumePoint | None:
-        """Return where the run can be taken up, None if it is over."""
+        """Return the point from which the run can be resumed, None if it is over."""
         return None if self._is_over else ResumePoint(self.tried, self._reasons, self._saved)
 
 
@@ -188,7 +187,7 @@ def with_rows_of(
     joined = result.copy()
     for name in names:
         variable = result[name]
-        if name in earlier and variable.dims[:1] == (MILESTONES,):
+        if name in earlier and variable.dims[:1] == (MILESTONE_DIMENSION,):
             values = variable.values.copy()
             values[:count] = earlier[name].values[:count]
             joined[name] = (variable.dims, values, variable.attrs)
@@ -201,7 +200,7 @@ def _goes_on(failure: Exception | None) -> bool:
 
 
 def _reason(step: LoadStep[Any, Equilibrium]) -> str:
-    """Return why a milestone was not reached."""
+    """Return the reason why a milestone was not reached, or an empty text."""
     if step.failure is None:
         return ""
     if isinstance(step.failure, TargetMissedError):

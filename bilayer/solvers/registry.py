@@ -26,7 +26,7 @@ from bilayer.validation import one_of
 SOLVERS = {"fenics": "fenics_model", "dshell": "dshell"}
 
 STARTS = ("shell", "flat")
-"""From where a run starts: the accurate shell's shapes lead the way, or the flat state."""
+"""Starts by name: the shapes of the accurate shell as initial guesses, or the flat state."""
 
 
 def solver_named(name: str) -> Solver:
@@ -37,7 +37,7 @@ def solver_named(name: str) -> Solver:
     return solver
 
 
-def settings_kind(solver: str, model: str | None = None) -> type:
+def settings_class(solver: str, model: str | None = None) -> type:
     """Return the settings dataclass of a solver's model; None is the solver's default model."""
     models = solver_named(solver).models
     return models[next(iter(models)) if model is None else one_of("model", model, models)]
@@ -69,10 +69,9 @@ def solve(
     mesh : PlanarMesh, optional
         The planar mesh to use; made from the specimen if left out.
     start : {"shell", "flat"} or Dataset, optional
-        "shell": the shapes of the accurate discrete shell lead the way. "flat": nothing does, but
-        that a fine mesh of the shell goes by a coarse one (its setting `coarse_triangles`). A
-        result on the same mesh, from either solver: its shape starts the first milestone, and leads
-        to the others that it has. The solver's own default if left out.
+        Initial guesses. "shell": the shapes of the accurate discrete shell. "flat": none; a fine
+        mesh of the shell then starts from a coarse one (its setting `coarse_triangles`). A result
+        on the same mesh, from either solver: its shapes. The solver's own default if left out.
     comm : mpi4py.MPI.Comm, optional
         The communicator; COMM_WORLD if a solver is parallel and none is given.
     progress : callable, optional
@@ -102,7 +101,7 @@ def solve(
     return solve_with(
         chosen,
         asked,
-        settings_kind(solver)() if settings is None else settings,
+        settings_class(solver)() if settings is None else settings,
         mesh=mesh,
         start=_start_of(asked, chosen, start),
         comm=comm,
@@ -151,7 +150,7 @@ def follow(
     return follow_with(
         chosen,
         asked,
-        settings_kind(solver)() if settings is None else settings,
+        settings_class(solver)() if settings is None else settings,
         mesh=mesh,
         start=_start_of(asked, chosen, start),
         comm=comm,
@@ -175,7 +174,7 @@ def specimen_given(specimen: Specimen | str | Path) -> Specimen:
 
 
 def _start_of(specimen: Specimen, solver: Solver, start: xr.Dataset | str | None) -> Start:
-    """Return what a solver's path takes for a start."""
+    """Return the start in the form that a path takes."""
     chosen = solver.default_start if start is None else start
     if not isinstance(chosen, str):
         return chosen

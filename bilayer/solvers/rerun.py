@@ -1,9 +1,9 @@
 """A result computed again from what its own file holds, and whether the numbers agree.
 
-Specimen, settings and planar mesh come from the file, so that neither a changed default nor another
-version of gmsh counts, but for the coarse mesh that a fine one of the shell starts from, which is
-drawn anew. On one machine two serial runs agree to the last bit. A run that another result started
-begins as usual: the file does not hold that one.
+Specimen, settings and planar mesh come from the file. A changed default or another version of gmsh
+therefore makes no difference, with one exception: the coarse mesh from which a fine mesh of the
+shell starts is generated again. On one machine two serial runs agree to the last bit. A run that
+was started from another result uses the default start: the file does not hold that result.
 """
 
 import shlex
@@ -17,22 +17,22 @@ import xarray as xr
 
 from bilayer.errors import INTERRUPTED
 from bilayer.results.schema import result_mesh, result_specimen
-from bilayer.results.starting import ANOTHER_RESULT, FLAT
+from bilayer.results.starting import ANOTHER_RESULT, FLAT_START
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.registry import settings_kind, solve, solver_named
+from bilayer.solvers.registry import settings_class, solve, solver_named
 from bilayer.specimen.settings import settings_from
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
-SECONDS = "s"
+TIME_UNIT = "s"
 """Unit of the times in a result, which no two runs share."""
 
 
-def as_far_as_it_came(result: xr.Dataset) -> xr.Dataset:
+def select_reached_milestones(result: xr.Dataset) -> xr.Dataset:
     """Return a result that was interrupted without the milestones that it did not come to.
 
-    Those where a computation failed stay: it is to fail again.
+    Those of a failed computation stay: it is to fail again.
     """
     if result.attrs["stop_reason"] != INTERRUPTED:
         return result
@@ -63,20 +63,20 @@ def rerun(
     InputError
         No solver of ours made it, or its settings are unknown to this version.
     """
-    kind = settings_kind(result.attrs["solver"], result.attrs["model"])
+    kind = settings_class(result.attrs["solver"], result.attrs["model"])
     settings: Any = settings_from(kind, tomllib.loads(result.attrs["settings"]))
     return solve(
         result_specimen(result).with_milestones([(x, y) for x, y in stretches(result)]),
         result.attrs["solver"],
         settings,
         mesh=result_mesh(result),
-        start=FLAT if result.attrs.get("start") == FLAT else None,
+        start=FLAT_START if result.attrs.get("start") == FLAT_START else None,
         progress=progress,
         output=output,
     )
 
 
-def began_elsewhere(result: xr.Dataset) -> bool:
+def was_started_from_a_result(result: xr.Dataset) -> bool:
     """Whether a result was started from another one, of which it only keeps what it was."""
     return str(result.attrs.get("start", "")).startswith(ANOTHER_RESULT)
 
@@ -99,20 +99,20 @@ def solve_command(result: xr.Dataset, file: str) -> str:
         No solver of ours made it.
     """
     solver, model = result.attrs["solver"], result.attrs["model"]
-    defaults = vars(settings_kind(solver, model)())
+    defaults = vars(settings_class(solver, model)())
     words = ["bilayer", "solve", "again.toml", "--solver", solver, "--model", model]
     for name, value in tomllib.loads(result.attrs["settings"]).items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
-    if result.attrs.get("start") == FLAT != solver_named(solver).default_start:
-        words += ["--start", FLAT]
-    if began_elsewhere(result):
+    if result.attrs.get("start") == FLAT_START != solver_named(solver).default_start:
+        words += ["--start", FLAT_START]
+    if was_started_from_a_result(result):
         words += ["--start", "START.nc"]
     return shlex.join([*words, "--mesh", file, "-o", "again.nc"])
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
-    """Return how far two runs of one case are from each other.
+    """Return the differences of two runs of one case.
 
     Parameters
     ----------
@@ -123,14 +123,14 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     -------
     DataFrame
         A row per variable that both have, the times left out: `difference`, the largest in the
-        variable's own unit (infinite where only one of them has a number), and `same_bits`.
+        variable's own unit (infinite if only one of them has a number), and `same_bits`.
     """
     names = [
         str(name)
         for name in first.data_vars
         if name in second
         and first[name].dtype.kind in "fi"
-        and first[name].attrs.get("units") != SECONDS
+        and first[name].attrs.get("units") != TIME_UNIT
     ]
     rows = [
         {

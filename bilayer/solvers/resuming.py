@@ -35,7 +35,7 @@ class Unfinished:
     result : Dataset
         Its milestones so far.
     point : ResumePoint
-        Where it can be taken up.
+        The place from which it can be resumed.
     """
 
     result: xr.Dataset
@@ -53,7 +53,7 @@ class Unfinished:
 
     @property
     def not_measured(self) -> list[str]:
-        """Which shapes could not be measured, and why."""
+        """The shapes that could not be measured, each with the reason."""
         text = self.result.attrs.get(NOT_MEASURED, "")
         return text.split("; ") if text else []
 

@@ -1,1 +1,1 @@
-"""What is released: outline, pattern, layers, materials, prestretch, and their file."""
+"""The specimen: outline, pattern, layers, materials, prestretch, and their file."""

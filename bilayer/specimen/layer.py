@@ -18,7 +18,7 @@ Tensor = tuple[tuple[float, float], tuple[float, float]]
 
 @dataclass(frozen=True)
 class Response:
-    """What the prestretch does to a layer before it is bonded.
+    """The stretch that the prestretch gives a layer before it is bonded.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class BondedLayer:
 
     @property
     def axial_stretch(self) -> StretchPair:
-        """Stretch along x and along y, all that there is where the axes are not turned."""
+        """Stretch along x and along y, all that there is if the axes are not turned."""
         return self.stretch[0][0], self.stretch[1][1]
 
     @property

@@ -202,7 +202,7 @@ def _material_key(layer: Layer) -> tuple[Any, float]:
 
 
 def _named(specimen: Specimen, what: Any) -> dict[Any, str]:
-    """Return what layers have, each once, with the name of the lowest layer that has it."""
+    """Return the properties of the layers, each with the name of the lowest layer that has it."""
     found: dict[Any, str] = {}
     for layer in specimen.layers:
         found.setdefault(what(layer), layer.name)

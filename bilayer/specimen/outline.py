@@ -26,7 +26,7 @@ Ring = tuple[tuple[float, float], ...]
 
 
 class Symmetry(NamedTuple):
-    """What leaves a flat shape as it is.
+    """The motions that leave a flat shape unchanged.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Symmetry(NamedTuple):
     mirrored: bool
 
     def common(self, other: "Symmetry") -> "Symmetry":
-        """Return what leaves both shapes as they are."""
+        """Return the symmetry that both shapes have."""
         return Symmetry(math.gcd(self.turns, other.turns), self.mirrored and other.mirrored)
 
 
@@ -68,11 +68,11 @@ class Outline(Protocol):
 
     @property
     def symmetry(self) -> Symmetry:
-        """What leaves it as it is."""
+        """The motions that leave it unchanged."""
 
     @property
     def words(self) -> str:
-        """What a report says of it, lengths in mm."""
+        """Description for a report, lengths in mm."""
 
     @property
     def identity(self) -> str:

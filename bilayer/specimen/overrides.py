@@ -25,7 +25,7 @@ def with_overrides(
     overrides : iterable of str
         The value is written as in TOML.
     known : mapping of str to iterable of str
-        All tables that there are, each with its keys; without any where it has tables of its own.
+        All tables that there are, each with its keys; without any if it has tables of its own.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def with_overrides(
 
 
 def toml_value(text: str) -> Any:
-    """Return `text` read as one TOML value, or as a plain string where it is none."""
+    """Return `text` read as one TOML value, or as a plain string if it is none."""
     try:
         table = tomllib.loads(f"value = {text.strip()}")
     except tomllib.TOMLDecodeError:
@@ -78,7 +78,7 @@ def _place(tables: dict[str, Any], path: Iterable[str]) -> dict[str, Any]:
 
 
 def _children(place: Any) -> dict[str, Any]:
-    """Return what has a name in a table, or in a list of tables with names."""
+    """Return the entry of a name in a table, or in a list of tables with names."""
     if isinstance(place, list):
         return {str(item.get("name")): item for item in place if isinstance(item, dict)}
     return place if isinstance(place, dict) else {}

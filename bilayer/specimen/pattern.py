@@ -22,7 +22,7 @@ KEPT_OR_CUT = ("kept", "cut")
 
 
 class Pattern(Protocol):
-    """Where a layer lies."""
+    """The part of the outline on which a layer lies."""
 
     def kept(self, outline: Outline) -> shapely.Geometry:
         """Return the part of an outline where the layer lies."""
@@ -36,11 +36,11 @@ class Pattern(Protocol):
 
     @property
     def symmetry(self) -> Symmetry:
-        """What leaves it as it is."""
+        """The motions that leave it unchanged."""
 
     @property
     def words(self) -> str:
-        """What a report says of it, lengths in mm."""
+        """Description for a report, lengths in mm."""
 
     @property
     def identity(self) -> str:

@@ -13,7 +13,7 @@ StretchPair = tuple[float, float]
 UNSTRETCHED: StretchPair = (1.0, 1.0)
 BONDED_THICKNESS_RULES = ("natural", "constant")
 SMALLEST_STRETCH, LARGEST_STRETCH = 0.1, 10.0
-MILESTONES = "prestretch.milestones"
+MILESTONES_FIELD = "prestretch.milestones"
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ class Prestretch:
     thickness: str = "natural"
 
     def __post_init__(self) -> None:
-        pairs = tuple(stretch_pair(MILESTONES, item) for item in _numbers(self.milestones))
+        pairs = tuple(stretch_pair(MILESTONES_FIELD, item) for item in _numbers(self.milestones))
         if not pairs:
-            raise InputError(f"{MILESTONES} = []: expected at least one")
+            raise InputError(f"{MILESTONES_FIELD} = []: expected at least one")
         object.__setattr__(self, "milestones", pairs)
         keep(self, one_of, "thickness", table="prestretch.", choices=BONDED_THICKNESS_RULES)
 
@@ -64,7 +64,7 @@ def stretch_pair(field: str, value: Any) -> StretchPair:
 
 def _numbers(milestones: Any) -> list[Any]:
     try:
-        return listed(MILESTONES, milestones)
+        return listed(MILESTONES_FIELD, milestones)
     except InputError as error:
         raise InputError(f"{error} of numbers") from error
 

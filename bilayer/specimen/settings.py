@@ -1,6 +1,6 @@
 """Settings of a solver: a frozen dataclass whose fields carry their own documentation.
 
-`documented("tolerance of …")` is used as the default of a field; `settings_from` reads the
+`setting(1e-8, "tolerance of …")` is the default of a field; `settings_from` reads the
 `NAME=VALUE` texts of the command line; `describe` lists them with their defaults.
 """
 
@@ -17,8 +17,11 @@ from bilayer.validation import nearest
 
 Settings = TypeVar("Settings")
 
+BRANCH_CHOICES = ("lowest", "other", "unstable")
+"""Values of the setting `branch`: the branch to follow after a loss of stability."""
 
-def documented(default: Any, text: str) -> Any:
+
+def setting(default: Any, text: str) -> Any:
     """Return a dataclass field with a default and a description, its unit in brackets."""
     return dataclasses.field(default=default, metadata={"text": text})
 

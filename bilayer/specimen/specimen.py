@@ -102,7 +102,7 @@ class Specimen:
 
     @property
     def length_text(self) -> str:
-        """What a message calls the characteristic length."""
+        """The characteristic length in the words of a message."""
         if isinstance(self.outline, Disc):
             return f"specimen.outer_radius = {self.outline.radius} m"
         shape = type(self.outline).__name__
@@ -149,7 +149,7 @@ class Specimen:
 
     @cached_property
     def layer_sets(self) -> tuple[frozenset[str], ...]:
-        """Which layers lie there, for each number of a region.
+        """The layers that lie there, for each number of a region.
 
         A bit of the number stands for each layer but a whole carrier, the lowest for the lowest: a
         bilayer has 0 where the substrate is bare and 1 where the kirigami lies on it.

@@ -1,10 +1,11 @@
-"""Where a body is held: at three nodes, in x, y and z, in y and z, and in z.
+"""The held nodes of a body: one is held in x, y and z, one in y and z, one in z.
 
-That takes the rigid motion away and nothing else. Loads in balance leave nothing to carry, so any
-three nodes do that span an angle. A weight is carried there, and it matters where: a weighted body
-is held at its centre, as if clamped there, by the three nodes nearest to it, so that no part far
-from the centre is lifted, and the tangent plane of the centre stays level as far as the mesh tells.
-A sheet with a hole in its middle is held at the edge of the hole.
+This removes the rigid motion and nothing else. Without weight the loads are in balance, the held
+nodes carry nothing, and any three nodes will do that are not on a line. With weight the held nodes
+carry the body, and their place matters. A body with weight is held at its centre, by the three
+nodes nearest to it, as if clamped there. No part far from the centre is then lifted, and the
+tangent plane of the centre stays level, to the accuracy of the mesh. A sheet with a hole in its
+middle is held at the edge of the hole.
 """
 
 import numpy as np
@@ -23,8 +24,8 @@ LEAST_SINE = 0.3
 ORIGIN: Place = (0.0, 0.0)
 
 
-def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
-    """Choose where a body is held, by whether it has a weight; see the module.
+def choose_held_nodes(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
+    """Return the held nodes of a body, with or without weight; see the module.
 
     Parameters
     ----------
@@ -35,22 +36,23 @@ def support(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:
     centre : (float, float)
         Centroid of the sheet, m.
     """
-    return clamped_at_centre(points, centre) if gravity else held_upright(points, centre)
+    choose = choose_nodes_at_centre if gravity else choose_nodes_inside
+    return choose(points, centre)
 
 
-def held_upright(points: Array, centre: Place = ORIGIN) -> HeldNodes:
+def choose_nodes_inside(points: Array, centre: Place = ORIGIN) -> HeldNodes:
     """Choose the node nearest to the centre and those a third of the radius away along x and y.
 
     Nearer than the rim, they keep a dome upright: the frame hardly turns while it rises.
     """
     arms = _arms(points, centre)
-    return _held_at(arms, np.linalg.norm(arms, axis=1).max() / 3)
+    return _choose_nodes_along_axes(arms, np.linalg.norm(arms, axis=1).max() / 3)
 
 
-def clamped_at_centre(points: Array, centre: Place = ORIGIN) -> HeldNodes:
+def choose_nodes_at_centre(points: Array, centre: Place = ORIGIN) -> HeldNodes:
     """Choose the node nearest to the centre and its neighbours along x and y."""
     arms = _arms(points, centre)
-    return _held_at(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
+    return _choose_nodes_along_axes(arms, np.partition(np.linalg.norm(arms, axis=1), 1)[1])
 
 
 def _arms(points: Array, centre: Place) -> Array:
@@ -58,11 +60,11 @@ def _arms(points: Array, centre: Place) -> Array:
     return points - points[np.argmin(np.linalg.norm(points - centre, axis=1))]
 
 
-def _held_at(arms: Array, reach: float) -> HeldNodes:
-    """Return the node of no arm and those whose arms are about `reach` long along x and y."""
+def _choose_nodes_along_axes(arms: Array, distance: float) -> HeldNodes:
+    """Return the node of no arm and those whose arms are about `distance` long along x and y."""
     first = int(np.argmin(np.linalg.norm(arms, axis=1)))
-    along = _nearest(arms, (reach, 0.0), (0.0, 1.0))
-    across = _nearest(arms, (0.0, reach), arms[along])
+    along = _nearest(arms, (distance, 0.0), (0.0, 1.0))
+    across = _nearest(arms, (0.0, distance), arms[along])
     return first, along, across
 
 

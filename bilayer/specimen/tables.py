@@ -1,4 +1,4 @@
-"""What both forms of a specimen file share: known keys, keys that have to be there."""
+"""Checks that both forms of a specimen file share: known keys, required keys."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -57,7 +57,7 @@ def common_fields(data: Tables) -> dict[str, Any]:
 
 
 def milestones_in_file(specimen: Specimen) -> list[Any]:
-    """Return the milestones as a file has them: a number where both directions are stretched."""
+    """Return the milestones as a file has them: a number if both directions are stretched."""
     return [x if x == y else [x, y] for x, y in specimen.prestretch.milestones]
 
 

@@ -69,7 +69,7 @@ def parse_specimen_file(
 ) -> Specimen:
     """Read a specimen from the text of a user's file; see `read_specimen`.
 
-    Unlike `parse_specimen` it asks, by an InputError, whether the unit is meant where a sheet of
+    Unlike `parse_specimen` it asks, by an InputError, whether the unit is meant if a sheet of
     more than a metre or less than 0.1 mm is written without one.
     """
     data = _tables(text, overrides, source)
@@ -104,7 +104,7 @@ def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:
 
 
 def specimen_to_toml(specimen: Specimen) -> str:
-    """Return the TOML text that reads back as the same specimen, the short form where it can be.
+    """Return the TOML text that reads back as the same specimen, the short form if it can be.
 
     Materials are written by the constants that they hold, so that no digit is lost.
     """

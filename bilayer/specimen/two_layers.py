@@ -16,7 +16,7 @@ from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, MeshSize, Speci
 from bilayer.validation import listed, one_of
 
 LAYERS = (SUBSTRATE, KIRIGAMI_LAYER)
-SIDES = ("above", "below")
+KIRIGAMI_SIDES = ("above", "below")
 BARE, KIRIGAMI = 0, 1
 """Regions of the sheet: where the kirigami layer is cut out, and where it lies."""
 TWO_LAYERS = (frozenset({SUBSTRATE}), frozenset(LAYERS))
@@ -72,7 +72,7 @@ class TwoLayers:
                     f"{what}: takes layers that are stretched along x and y, expected "
                     f"layers.{layer.name} with angle = 0 instead of {layer.response.angle} rad"
                 )
-        return cls(substrate, kirigami, SIDES[0] if names == LAYERS else SIDES[1])
+        return cls(substrate, kirigami, KIRIGAMI_SIDES[0] if names == LAYERS else KIRIGAMI_SIDES[1])
 
     @property
     def follow_the_path(self) -> bool:
@@ -131,7 +131,7 @@ def disc_bilayer(
         replace(substrate, name=SUBSTRATE, pattern=None, response=responses[SUBSTRATE]),
         replace(kirigami, name=KIRIGAMI_LAYER, pattern=cut, response=responses[KIRIGAMI_LAYER]),
     )
-    if one_of("kirigami.side", kirigami_side, SIDES) == "below":
+    if one_of("kirigami.side", kirigami_side, KIRIGAMI_SIDES) == "below":
         layers = layers[::-1]
     size = MeshSize() if mesh is None else mesh
     return Specimen(Disc(outer_radius), layers, prestretch, size, gravity, name)

@@ -14,7 +14,7 @@ from bilayer.runtime.output_file import remove_leftovers
 from bilayer.solvers.registry import solve, solver_named
 from bilayer.solvers.resuming import open_unfinished
 from bilayer.study.case import Case
-from bilayer.study.folder import BEGUN, FAILED, LACKS_MEMORY, StudyFolder
+from bilayer.study.folder import CASE_FAILED, CASE_LACKS_MEMORY, LOG_BEGUN, StudyFolder
 
 
 def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
@@ -40,7 +40,7 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
     if not (first or solver_named(case.solver).parallel):
         return  # the first rank computes alone
     if first:
-        folder.log(BEGUN, case)
+        folder.log(LOG_BEGUN, case)
     start = time.perf_counter()
     try:
         earlier = _earlier_file(case, folder, first)
@@ -60,7 +60,7 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
     except Exception as error:
         if first:
             lacks_memory = isinstance(error, (NotEnoughMemoryError, MemoryError))
-            status = LACKS_MEMORY if lacks_memory else FAILED
+            status = CASE_LACKS_MEMORY if lacks_memory else CASE_FAILED
             reason = f"{type(error).__name__}: {error}"
             folder.keep_failure(case, reason, traceback.format_exc(), status)
         return

@@ -1,4 +1,4 @@
-"""A study as one dataset: the scalars of all cases, and their shapes where they share a mesh.
+"""A study as one dataset: the scalars of all cases, and their shapes if they share a mesh.
 
 Values are read from the case files when they are asked for (dask), not before.
 """
@@ -36,11 +36,11 @@ def open_study(path: str | Path) -> xr.Dataset:
     -------
     Dataset
         Each scalar of the results, in SI units, over the varied fields and `prestretch`: the
-        fields are dimensions where the cases are the product of their values, else coordinates of
+        fields are dimensions if the cases are the product of their values, else coordinates of
         the dimension `case`. Along `prestretch` lie `prestretch_x` and `prestretch_y`; a value
         stands there again for another pair, or if a load path comes back to it (`visit`). What is
         not computed, or not reached, is NaN. Coordinates `solver`, `model`, `identity` and
-        `case_file` (empty where there is none) tell the case; where all cases share one planar
+        `case_file` (empty if there is none) tell the case; if all cases share one planar
         mesh, `position` and the mesh are there, too.
 
     Raises
@@ -51,7 +51,7 @@ def open_study(path: str | Path) -> xr.Dataset:
         The package dask is missing.
     """
     folder = StudyFolder(path)
-    planned = folder.planned()
+    planned = folder.read_plan()
     entries, fields = planned["cases"], planned["fields"]
     axis = MilestoneAxis.of([entry["milestones"] for entry in entries])
     files = [folder.kept_file(entry["case"]) for entry in entries]
@@ -95,7 +95,9 @@ def _scalar_variables(
     read = [
         None
         if file is None
-        else dask.delayed(_read_aligned)(file, names, axis.places(entry["milestones"]), len(axis))
+        else dask.delayed(_read_milestones)(
+            file, names, axis.places(entry["milestones"]), len(axis)
+        )
         for entry, file in zip(entries, files, strict=True)
     ]
     variables = {}
@@ -122,7 +124,7 @@ def _examples(entries: Sequence[Entry], files: Sequence[Path | None]) -> list[Sc
     return [read_scalars(file) for file in first.values()]
 
 
-def _read_aligned(
+def _read_milestones(
     file: Path, names: Sequence[str], places: NDArray[np.int64], length: int
 ) -> dict[str, NDArray[np.float64]]:
     """Read one file's scalars at their places among all milestones; NaN elsewhere."""
@@ -169,7 +171,7 @@ def _read_position(
 
 
 def _along_fields(study: xr.Dataset, entries: Sequence[Entry], fields: Sequence[str]) -> xr.Dataset:
-    """Turn the dimension `case` into the varied fields where the cases are their product."""
+    """Turn the dimension `case` into the varied fields if the cases are their product."""
     values = {
         name: [entry["solver"] if name == "solver" else entry["values"].get(name)
                for entry in entries]

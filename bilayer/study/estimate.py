@@ -1,4 +1,4 @@
-"""What a study still has to do: how many cases, about how long, how much memory."""
+"""Estimate of the work that a study still has to do: cases, time, memory."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -8,19 +8,19 @@ import numpy as np
 import pandas as pd
 
 from bilayer.study.case import Case
-from bilayer.study.folder import DONE
+from bilayer.study.folder import CASE_DONE
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is to be expected of a study.
+    """The expected work of a study.
 
     Parameters
     ----------
     cases : int
         Number of cases to compute.
     seconds : float
-        Of computing on one process; NaN where no case of some solver and model is finished yet.
+        Of computing on one process; NaN if no case of some solver and model is finished yet.
     longest : float
         Seconds of the longest case: no number of processes makes it shorter.
     measured : int
@@ -86,4 +86,4 @@ def _finished(index: pd.DataFrame | None) -> pd.DataFrame:
     rows = pd.DataFrame(columns=columns) if index is None else index[columns]
     milestones = rows.groupby("case")["case"].transform("size")
     rows = rows.assign(work=rows["triangles"] * milestones)
-    return rows[rows["status"] == DONE].drop_duplicates("case")
+    return rows[rows["status"] == CASE_DONE].drop_duplicates("case")

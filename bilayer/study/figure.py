@@ -16,12 +16,12 @@ from matplotlib.figure import Figure
 
 from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
-from bilayer.figures.quality import PRESTRETCH, QUALITY
+from bilayer.figures.quality import PRESTRETCH_LABEL, QUALITY_LABEL
 from bilayer.figures.style import RESULT_COLOURS, RESULT_MARKERS, new_figure, print_style
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.validation import nearest
 
-LABELS = {"quality": QUALITY, "prestretch": PRESTRETCH}
+LABELS = {"quality": QUALITY_LABEL, "prestretch": PRESTRETCH_LABEL}
 FIELD_UNITS = {
     "outer_radius": "m", "inner_radius": "m", "cutout_angle": "rad", "thickness": "m", "size": "m",
     "corner_size": "m", "young_modulus": "Pa", "c10": "Pa", "c01": "Pa", "d1": "1/Pa",
@@ -66,7 +66,7 @@ def draw_study(
         figure = new_figure(5.2, 4.0)
         axes = figure.add_subplot()
         for k, (value, line) in enumerate(lines):
-            look = _look(k, len(lines))
+            look = _line_style(k, len(lines))
             label = y if hue is None else _value_text(hue, value)
             axes.plot(line[x], line[y], label=label, clip_on=False, **look)
         _mark(axes, table, x, y)
@@ -162,7 +162,7 @@ def _mark(axes: Axes, table: pd.DataFrame, x: str, y: str) -> None:
         )  # fmt: skip
 
 
-def _look(k: int, count: int) -> dict[str, Any]:
+def _line_style(k: int, count: int) -> dict[str, Any]:
     marker = RESULT_MARKERS[k % len(RESULT_MARKERS)]
     if count <= len(RESULT_COLOURS):
         return {"color": RESULT_COLOURS[k], "marker": marker}

@@ -29,13 +29,16 @@ from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 
-BEGUN, DONE, FAILED, NOT_WRITTEN = "begun", "done", "failed", "not written"
-LACKS_MEMORY = "lacks memory"
+CASE_DONE, CASE_FAILED, CASE_LACKS_MEMORY = "done", "failed", "lacks memory"
+"""Status of a case."""
+
+LOG_BEGUN, LOG_DONE, LOG_NOT_WRITTEN = "begun", "done", "not written"
+"""Events in the log, beside the status of a case that has no result."""
 
 
 @dataclass(frozen=True)
 class NoResult:
-    """Why a case has no result.
+    """The reason why a case has no result.
 
     Parameters
     ----------
@@ -79,24 +82,24 @@ class StudyFolder:
 
     @property
     def log_file(self) -> Path:
-        """What was begun and what ended."""
+        """The log: a line for each start and each end of a case."""
         return self.path / "study.log"
 
     def result_file(self, identity: str) -> Path:
-        """Return where the result of a case is, or will be."""
+        """Return the path of the result of a case."""
         return self.path / "cases" / f"{identity}.nc"
 
     def unfinished_file(self, identity: str) -> Path:
-        """Return where the milestones of a case are until it is finished."""
+        """Return the path of the milestones of a case until it is finished."""
         return self.path / "cases" / f"{identity}.unfinished.nc"
 
     def kept_file(self, identity: str) -> Path:
-        """Return where a case is: its result, or its milestones so far if there is no result."""
+        """Return the path of a case: of its result, or else of its milestones so far."""
         result, unfinished = self.result_file(identity), self.unfinished_file(identity)
         return unfinished if unfinished.exists() and not result.exists() else result
 
     def failure_file(self, identity: str) -> Path:
-        """Return where the reason is why a case has no result."""
+        """Return the path of the reason why a case has no result."""
         return self.path / "cases" / f"{identity}.failed"
 
     def make(self) -> None:
@@ -138,8 +141,8 @@ class StudyFolder:
             text = json.dumps({"fields": plan.fields, "cases": entries}, indent=1)
             partial.write_text(text, encoding="utf-8")
 
-    def planned(self) -> dict[str, Any]:
-        """Return what `keep_plan` wrote: `fields` and `cases`, whose milestones are pairs.
+    def read_plan(self) -> dict[str, Any]:
+        """Return the plan of `keep_plan`: `fields` and `cases`, whose milestones are pairs.
 
         Raises
         ------
@@ -188,7 +191,7 @@ class StudyFolder:
                 words = line.split("\t")
                 if len(words) > 2:
                     last_event[words[2]] = words[1]
-        return {identity for identity, event in last_event.items() if event == BEGUN}
+        return {identity for identity, event in last_event.items() if event == LOG_BEGUN}
 
     def keep_result(self, case: Case, result: xr.Dataset, seconds: float) -> None:
         """Write the result of a case, whole or not at all, and log it.
@@ -208,14 +211,16 @@ class StudyFolder:
         self.unfinished_file(case.identity).unlink(missing_ok=True)
         for left in (self.path / "cases").glob(f".{case.identity}.*"):
             shutil.rmtree(left, ignore_errors=True)  # a process was killed while it wrote
-        self.log(DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
+        self.log(LOG_DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
 
     def log_not_written(self, case: Case, error: Exception) -> None:
         """Log that a case could not be kept, if the log can be written."""
         with suppress(ComputationError):
-            self.log(NOT_WRITTEN, case, str(error))
+            self.log(LOG_NOT_WRITTEN, case, str(error))
 
-    def keep_failure(self, case: Case, reason: str, trace: str = "", status: str = FAILED) -> None:
+    def keep_failure(
+        self, case: Case, reason: str, trace: str = "", status: str = CASE_FAILED
+    ) -> None:
         """Record why a case has no result, and log it.
 
         Parameters
@@ -240,20 +245,20 @@ class StudyFolder:
         self.log(status, case, record["reason"])
 
     def failure(self, identity: str) -> NoResult | None:
-        """Return why a case has no result, if that was recorded."""
+        """Return the reason why a case has no result, if it was recorded."""
         try:
             record = json.loads(self.failure_file(identity).read_text(encoding="utf-8"))
         except OSError:
             return None
-        return NoResult(record.get("status", FAILED), record["reason"])
+        return NoResult(record.get("status", CASE_FAILED), record["reason"])
 
     def has_failed(self, identity: str) -> bool:
         """Whether a case has failed for good: it is computed again only if that is asked for."""
         recorded = self.failure(identity)
-        return recorded is not None and recorded.status == FAILED
+        return recorded is not None and recorded.status == CASE_FAILED
 
     @contextmanager
-    def alone(self) -> Iterator[None]:
+    def lock_for_study(self) -> Iterator[None]:
         """Hold the folder for one study at a time; wait for what a killed one left running.
 
         Raises
@@ -261,7 +266,7 @@ class StudyFolder:
         ComputationError
             Another study is running in the folder.
         """
-        with self._locked(".lock", fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+        with self._hold_lock(".lock", fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
             if not held:
                 raise ComputationError(
                     f"study folder {self.path}: another study is running in it; end that one, "
@@ -271,15 +276,15 @@ class StudyFolder:
             yield
 
     @contextmanager
-    def at_work(self) -> Iterator[None]:
+    def mark_as_working(self) -> Iterator[None]:
         """Mark this process, for as long as it lives, as one that writes into the folder."""
-        with self._locked(".workers", fcntl.LOCK_SH):
+        with self._hold_lock(".workers", fcntl.LOCK_SH):
             yield
 
     def _wait_for_workers(self) -> None:
         told = False
         while True:
-            with self._locked(".workers", fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
+            with self._hold_lock(".workers", fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
                 if free:
                     return
             if not told:
@@ -291,8 +296,8 @@ class StudyFolder:
             time.sleep(0.2)
 
     @contextmanager
-    def _locked(self, name: str, operation: int) -> Iterator[bool]:
-        """Hold a lock that ends with this process, whatever ends it; false where it is taken."""
+    def _hold_lock(self, name: str, operation: int) -> Iterator[bool]:
+        """Hold a lock that ends with this process, whatever ends it; false if it is taken."""
         with (self.path / name).open("a") as lock:
             try:
                 fcntl.flock(lock, operation)

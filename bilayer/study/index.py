@@ -8,12 +8,12 @@ import pandas as pd
 
 from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
-from bilayer.solvers.registry import settings_kind
-from bilayer.study.folder import DONE, FAILED, StudyFolder
+from bilayer.solvers.registry import settings_class
+from bilayer.study.folder import CASE_DONE, CASE_FAILED, NoResult, StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars
 
-STOPPED, MISSING = "stopped early", "missing"
-UNFINISHED = "unfinished"
+CASE_STOPPED, CASE_MISSING = "stopped early", "missing"
+CASE_UNFINISHED = "unfinished"
 """Status of a case that has some milestones, and goes on from there when it is computed again."""
 SHOWN = (
     "converged", "quality", "sphere_radius", "sphere_rmse", "hemisphere_distance", "height",
@@ -32,9 +32,9 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
         A row per case and milestone: the case's hash, solver, model, the varied values,
         `prestretch` (the larger of `prestretch_x` and `prestretch_y`), `status` (done, stopped
         early, unfinished, failed, lacks memory, missing), scalars of the result in SI units, the
-        `reason` where something is missing, what made it, and the timings.
+        `reason` if something is missing, what made it, and the timings.
     """
-    planned = folder.planned()
+    planned = folder.read_plan()
     rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
     return pd.DataFrame(rows)
 
@@ -80,27 +80,28 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
 
 
 def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | None, str, str]:
-    """Return what is stored of a case, its status, and the reason of it."""
+    """Return the stored scalars of a case, its status, and the reason of the status."""
     path = folder.kept_file(entry["case"])
     failure = folder.failure(entry["case"])
     if not path.exists():
-        return (None, MISSING, "") if failure is None else (None, failure.status, failure.reason)
+        return None, *_recorded(failure, CASE_MISSING, "")
     try:
         stored = read_scalars(path)
     except InputError as error:
-        return None, FAILED, str(error)
+        return None, CASE_FAILED, str(error)
     if path == folder.unfinished_file(entry["case"]):
-        return (
-            (stored, UNFINISHED, INTERRUPTED)
-            if failure is None
-            else (stored, failure.status, failure.reason)
-        )
+        return stored, *_recorded(failure, CASE_UNFINISHED, INTERRUPTED)
     reason = str(stored.attributes["stop_reason"])
-    kind = settings_kind(entry["solver"], entry["model"])
+    kind = settings_class(entry["solver"], entry["model"])
     ended_well = bool(np.all(stored.values["converged"] == 1)) or getattr(
         kind, "stopping_is_a_result", False
     )
-    return stored, DONE if ended_well else STOPPED, reason
+    return stored, CASE_DONE if ended_well else CASE_STOPPED, reason
+
+
+def _recorded(failure: NoResult | None, status: str, reason: str) -> tuple[str, str]:
+    """Return status and reason as they were recorded, or these if nothing was."""
+    return (status, reason) if failure is None else (failure.status, failure.reason)
 
 
 def _column(stored: Scalars | None, name: str, count: int) -> Any:

@@ -6,7 +6,7 @@ from bilayer.errors import NotEnoughMemoryError
 from bilayer.study.case import Case
 
 Shortages = dict[Case, str]
-"""Why a case does not fit into the memory, by case."""
+"""The reasons of the cases that do not fit into the memory."""
 
 
 def separate_by_memory(cases: Sequence[Case], available: float) -> tuple[list[Case], Shortages]:
@@ -29,7 +29,7 @@ def separate_by_memory(cases: Sequence[Case], available: float) -> tuple[list[Ca
 
 
 def first_at_once(cases: Sequence[Case], jobs: int, available: float) -> int:
-    """Return how many of the first cases are computed at once: at most `jobs`, at least one."""
+    """Return the number of first cases to compute at once: at most `jobs`, at least one."""
     count, taken = 0, 0.0
     for case in cases[:jobs]:
         taken += case.memory

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.solvers.registry import SOLVERS, settings_kind, solver_named
+from bilayer.solvers.registry import SOLVERS, settings_class, solver_named
+from bilayer.specimen.prestretch import MILESTONES_FIELD
 from bilayer.specimen.settings import settings_from
 from bilayer.specimen.toml import parse_specimen_file
 from bilayer.study.case import Case
@@ -24,8 +25,7 @@ from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
 from bilayer.validation import nearest, one_of
 
 KEYS = ("specimen", "solver", "settings", "vary", "zip", "sample")
-MILESTONES = "prestretch.milestones"
-SOLVER = "solver"
+SOLVER_FIELD = "solver"
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class StudyPlan:
     Parameters
     ----------
     fields : tuple of str
-        Dotted names of what varies from case to case, `solver` among them where it does.
+        Dotted names of what varies from case to case, `solver` among them if it does.
     cases : tuple of Case
         Each once, in the order of the study file.
     """
@@ -67,10 +67,10 @@ def read_study(path: str | Path) -> StudyPlan:
     settings = _settings_tables(tables.get("settings", {}), solvers)
     varied = _varied_rows(tables)
     _check_fields(varied[0], solvers)
-    return plan_of(specimen_text, solvers, settings, varied)
+    return make_plan(specimen_text, solvers, settings, varied)
 
 
-def plan_of(
+def make_plan(
     specimen_text: str,
     solvers: Sequence[str],
     settings: Mapping[str, Mapping[str, Any]],
@@ -105,8 +105,8 @@ def plan_of(
     if complaints:
         others = f" (and {len(complaints) - 1} more such cases)" if len(complaints) > 1 else ""
         raise InputError(complaints[0] + others)
-    names = [name for name in rows[0] if name != MILESTONES]
-    fields = [SOLVER, *names] if len(solvers) > 1 else names
+    names = [name for name in rows[0] if name != MILESTONES_FIELD]
+    fields = [SOLVER_FIELD, *names] if len(solvers) > 1 else names
     return StudyPlan(tuple(fields), tuple(cases.values()))
 
 
@@ -167,7 +167,7 @@ def _check_fields(names: Iterable[str], solvers: Sequence[str]) -> None:
     """Check what the specimen's own reader cannot: the names of settings."""
     for name in names:
         table, _, rest = name.partition(".")
-        if table == SOLVER:
+        if table == SOLVER_FIELD:
             raise InputError(f"{name}: expected settings.{solvers[0]}.{rest or 'NAME'}")
         if table == "settings":
             solver, _, setting = rest.partition(".")
@@ -180,10 +180,10 @@ def _load_paths(rows: Sequence[Row]) -> list[tuple[Row, list[Any]]]:
     """Return the rows without their prestretch, each once, and the prestretches of each."""
     paths: dict[str, tuple[Row, list[Any]]] = {}
     for row in rows:
-        values = {name: value for name, value in row.items() if name != MILESTONES}
+        values = {name: value for name, value in row.items() if name != MILESTONES_FIELD}
         _, milestones = paths.setdefault(json.dumps(values), (values, []))
-        if MILESTONES in row and row[MILESTONES] not in milestones:
-            milestones.append(row[MILESTONES])
+        if MILESTONES_FIELD in row and row[MILESTONES_FIELD] not in milestones:
+            milestones.append(row[MILESTONES_FIELD])
     return list(paths.values())
 
 
@@ -207,10 +207,10 @@ def _case(
         else:
             overrides.append(f"{name}={json.dumps(value)}")
     if milestones:
-        overrides.append(f"{MILESTONES}={json.dumps(_ascending(milestones))}")
+        overrides.append(f"{MILESTONES_FIELD}={json.dumps(_ascending(milestones))}")
     specimen = parse_specimen_file(specimen_text, overrides, source="the study's specimen")
     model = chosen.pop("model", next(iter(solver_named(solver).models)))
-    kind: Any = settings_kind(solver, model)
+    kind: Any = settings_class(solver, model)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)
 
 

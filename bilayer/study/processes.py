@@ -93,6 +93,6 @@ def _live_with_the_study(folder: StudyFolder) -> None:
     """Mark this process as a writer in the folder, and end it when the study's process ends."""
     study = multiprocessing.parent_process()
     assert study is not None, "a worker is started by the study"
-    with folder.at_work():
+    with folder.mark_as_working():
         study.join()
         os._exit(1)

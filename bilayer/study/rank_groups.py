@@ -36,7 +36,7 @@ def compute_on_ranks(
     folder : StudyFolder
         Where they are kept; held by the caller.
     ranks_per_case : int
-        Size of a group; the last one is smaller where the ranks do not divide.
+        Size of a group; the last one is smaller if the ranks do not divide.
     told : callable
         Called with each case that is over, on the ranks that computed it.
 
@@ -56,7 +56,7 @@ def compute_on_ranks(
         place = group.bcast(queue.next() if group.Get_rank() == 0 else None)
         if place >= len(cases):
             break
-        failure = _met_by_any(group, cases[place], folder)
+        failure = _first_error_of_group(group, cases[place], folder)
         told(cases[place])
     _wait_for_all(world)
     failures = [error for error in world.allgather(failure) if error is not None]
@@ -66,7 +66,7 @@ def compute_on_ranks(
         raise failures[0]
 
 
-def prepared_by_first(world: Any, prepare: Callable[[], Prepared]) -> Prepared:
+def prepare_on_first_rank(world: Any, prepare: Callable[[], Prepared]) -> Prepared:
     """Return on every rank what `prepare` returns, or raise what it raises, on the first.
 
     Parameters
@@ -102,7 +102,7 @@ def _wait_for_all(world: Any) -> None:
         time.sleep(0.02)
 
 
-def _met_by_any(group: Any, case: Case, folder: StudyFolder) -> BilayerError | None:
+def _first_error_of_group(group: Any, case: Case, folder: StudyFolder) -> BilayerError | None:
     """Compute a case; return the error that the first rank of the group met in keeping it."""
     failure = None
     try:

@@ -11,12 +11,12 @@ from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
-from bilayer.study.folder import FAILED, LACKS_MEMORY, StudyFolder
-from bilayer.study.index import STOPPED, read_index, write_index
+from bilayer.study.folder import CASE_FAILED, CASE_LACKS_MEMORY, StudyFolder
+from bilayer.study.index import CASE_STOPPED, read_index, write_index
 from bilayer.study.memory import memory_note, separate_by_memory
 from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import available_cores, compute_in_processes
-from bilayer.study.rank_groups import compute_on_ranks, prepared_by_first
+from bilayer.study.rank_groups import compute_on_ranks, prepare_on_first_rank
 
 
 def run_study(
@@ -38,12 +38,12 @@ def run_study(
     plan : StudyPlan
         From `bilayer.study.plan.read_study`.
     path : path-like
-        The study's folder, made where it is missing.
+        The study's folder, made if it is missing.
     jobs : int, optional
-        Most cases computed at a time; the number of cores that this process may use where left
+        Most cases computed at a time; the number of cores that this process may use if left
         out.
     memory : float, optional
-        Bytes that all of them may take together; what is available where left out.
+        Bytes that all of them may take together; what is available if left out.
     retry_failed : bool
         Compute also those that failed or stopped early in an earlier start.
     progress : callable, optional
@@ -66,18 +66,18 @@ def run_study(
     """
     folder = StudyFolder(path)
     folder.make()
-    with folder.alone():
+    with folder.lock_for_study():
         folder.keep_plan(plan)
         waiting = cases_to_compute(plan, folder, retry_failed)
         count = available_cores() if jobs is None else jobs
         room = available_memory() if memory is None else memory
         fitting, shortages = separate_by_memory(waiting, room)
         for case, reason in shortages.items():
-            folder.keep_failure(case, reason, status=LACKS_MEMORY)
+            folder.keep_failure(case, reason, status=CASE_LACKS_MEMORY)
         note = memory_note(fitting, count, room)
         if note and notice is not None:
             notice(note)
-        compute_in_processes(fitting, folder, count, room, _teller(fitting, progress))
+        compute_in_processes(fitting, folder, count, room, _progress_reporter(fitting, progress))
         return write_index(folder)
 
 
@@ -99,7 +99,7 @@ def run_study_on_ranks(
     world : mpi4py.MPI.Comm
         All ranks.
     ranks_per_case : int
-        Ranks that share one case, where its solver can.
+        Ranks that share one case, if its solver can.
     """
     if ranks_per_case > world.Get_size():
         raise InputError(
@@ -111,15 +111,15 @@ def run_study_on_ranks(
 
         def prepare() -> list[Case]:
             folder.make()
-            held.enter_context(folder.alone())
+            held.enter_context(folder.lock_for_study())
             folder.keep_plan(plan)
             return cases_to_compute(plan, folder, retry_failed)
 
-        waiting = prepared_by_first(world, prepare)
-        tell = _teller(waiting, progress if world.Get_rank() == 0 else None)
-        with folder.at_work():
-            compute_on_ranks(world, waiting, folder, ranks_per_case, tell)
-        return prepared_by_first(world, lambda: write_index(folder))
+        waiting = prepare_on_first_rank(world, prepare)
+        report_end = _progress_reporter(waiting, progress if world.Get_rank() == 0 else None)
+        with folder.mark_as_working():
+            compute_on_ranks(world, waiting, folder, ranks_per_case, report_end)
+        return prepare_on_first_rank(world, lambda: write_index(folder))
 
 
 def run_one_case(
@@ -160,7 +160,7 @@ def run_one_case(
         folder.keep_plan(plan)
         return case in cases_to_compute(plan, folder, retry_failed)
 
-    missing = prepare() if world is None else prepared_by_first(world, prepare)
+    missing = prepare() if world is None else prepare_on_first_rank(world, prepare)
     if missing:
         compute_case(case, folder, world)
 
@@ -178,21 +178,21 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
     ]
     if retry_failed:
         index = read_index(folder)
-        failed = set(index["case"][index["status"].isin([FAILED, STOPPED])])
+        failed = set(index["case"][index["status"].isin([CASE_FAILED, CASE_STOPPED])])
         waiting += [case for case in plan.cases if case.identity in failed]
     suspects = folder.begun_without_end()
     return sorted(waiting, key=lambda case: (case.identity in suspects, -case.cost))
 
 
-def _teller(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:
-    """Return what is called with each case that has ended, and reports the progress."""
+def _progress_reporter(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:
+    """Return a function that takes each case that has ended, and reports the progress."""
     ended: list[Case] = []
     whole = sum(case.cost for case in cases)
 
-    def tell(case: Case) -> None:
+    def report_end(case: Case) -> None:
         ended.append(case)
         if progress is not None:
             fraction = sum(case.cost for case in ended) / whole
             progress(fraction, f"{len(ended)} of {len(cases)} cases")
 
-    return tell
+    return report_end

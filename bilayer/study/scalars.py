@@ -17,7 +17,7 @@ DIMENSIONS = (("prestretch",), ("prestretch", "xyz"))
 
 @dataclass(frozen=True, eq=False)
 class Scalars:
-    """What a result says besides its shapes.
+    """The scalars and attributes of a result, without its shapes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a study varies: rows of values by dotted name, from the tables of a study file.
+"""The variations of a study: rows of values by dotted name, from the tables of a study file.
 
 `[vary]` is the product of its lists, `[zip]` goes through its lists side by side, `[sample]` draws
 a Latin hypercube; together they make the product of the three.

@@ -30,7 +30,7 @@ class Deformed(Protocol):
         """Return its second derivative, N/m, shape (n, k, k) for each of the energy's stencils."""
 
     def convex_hessian(self) -> Sequence[Array]:
-        """Return the like of it whose sum has no negative eigenvalue."""
+        """Return a convex replacement of the Hessian: its sum has no negative eigenvalue."""
 
 
 class Energy(Protocol):
@@ -38,7 +38,7 @@ class Energy(Protocol):
 
     @property
     def name(self) -> str:
-        """What the energy is called in a result."""
+        """Name of the energy in a result."""
 
     @property
     def stencils(self) -> Sequence[NDArray[np.int64]]:
@@ -52,7 +52,7 @@ class Energy(Protocol):
 
 
 class Assembly:
-    """Where the parts of some energies' Hessians go in the matrix of the free dofs.
+    """The places of some energies' Hessians in the matrix of the free dofs.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Assembly:
         return self._matrix((part for term in deformed for part in term.hessian()), diagonal)
 
     def convex_hessian(self, deformed: Sequence[Deformed]) -> csc_matrix:
-        """Return the like of `hessian` that has no negative eigenvalue."""
+        """Return a convex replacement of `hessian`, without negative eigenvalues."""
         return self._matrix((part for term in deformed for part in term.convex_hessian()), 0.0)
 
     def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
@@ -157,7 +157,7 @@ def sum_at(dofs: NDArray[np.int64], values: Array, size: int) -> Array:
 def _lower_places(
     dofs: NDArray[np.intc],
 ) -> tuple[NDArray[np.bool_], NDArray[np.intc], NDArray[np.intc]]:
-    """Return which entries of a stencil's lower half count twice, and the row and column of each.
+    """Return a mask of the lower half's entries that count twice, and their rows and columns.
 
     Between two places of one dof the lower half has one entry of two, both of which go on the
     diagonal.

@@ -96,7 +96,7 @@ class MorleyFaces:
             [part.reshape(-1) for part in (self.corner_dofs, self.fold_dofs, self.edge_dofs)]
         )
 
-    def made_of(self, laminate: Laminate) -> "MorleyFaces":
+    def with_laminate(self, laminate: Laminate) -> "MorleyFaces":
         """Return the same faces of another laminate; what they share is not computed anew."""
         faces = copy(self)
         faces.laminate = laminate
@@ -149,7 +149,7 @@ class BentFaces:
         """Return the energy of each layer by its name, J."""
         areas = self._faces.flat.areas
         return {
-            bent.layer.name: float(areas[bent.layer.covered] @ bent.energy())
+            bent.layer.name: float(areas[bent.layer.face_numbers] @ bent.energy())
             for bent in self._laminate.layers
         }
 
@@ -181,7 +181,7 @@ class BentFaces:
         units = np.repeat([1.0, 1 / self._faces.laminate.thickness], 3)
         scale = np.multiply.outer(units, units)
         stiffness = np.moveaxis(self._laminate.stiffness(), 2, 0)
-        convex = _without_negative(stiffness * scale) / scale
+        convex = _clip_eigenvalues(stiffness * scale) / scale
         faces = self._material_part(np.moveaxis(convex, 0, 2))
         self._add_membrane_forces(faces, _tension(self._forces[:3]))
         return [faces, np.zeros((self._faces.fold_dofs.shape[2], 12, 12))]
@@ -231,7 +231,7 @@ class BentFaces:
             hessian[:, corners, corners] += pairs
 
 
-def _without_negative(matrices: Array) -> Array:
+def _clip_eigenvalues(matrices: Array) -> Array:
     """Return symmetric matrices with their negative eigenvalues set to zero."""
     values, vectors = np.linalg.eigh(matrices)
     return (vectors * np.maximum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
@@ -240,5 +240,5 @@ def _without_negative(matrices: Array) -> Array:
 def _tension(force: Array) -> Array:
     """Return membrane forces (3, m) without their pressure."""
     tensor = np.stack([force[0], force[2], force[2], force[1]], axis=1).reshape(-1, 2, 2)
-    pulled = _without_negative(tensor)
+    pulled = _clip_eigenvalues(tensor)
     return np.stack([pulled[:, 0, 0], pulled[:, 1, 1], pulled[:, 0, 1]])

@@ -74,7 +74,7 @@ class ShellLayer:
         object.__setattr__(self, "prestretch", S if S.ndim == 3 else S[:, :, None])
 
     @property
-    def covered(self) -> "NDArray[np.int64] | slice":
+    def face_numbers(self) -> "NDArray[np.int64] | slice":
         """Index of the faces that the layer covers."""
         return slice(None) if self.faces is None else self.faces
 
@@ -134,28 +134,29 @@ class BentLaminate:
     def __init__(self, laminate: Laminate, s: Array) -> None:
         self._shape = s.shape
         self.layers = [
-            _BentLayer(layer, laminate.quadratic, s[:, layer.covered]) for layer in laminate.layers
+            _BentLayer(layer, laminate.quadratic, s[:, layer.face_numbers])
+            for layer in laminate.layers
         ]
 
     def energy(self) -> Array:
         """Return the energy per area, J/m2, shape (m,)."""
         total = np.zeros(self._shape[1:])
         for bent in self.layers:
-            total[bent.layer.covered] += bent.energy()
+            total[bent.layer.face_numbers] += bent.energy()
         return total
 
     def resultants(self) -> Array:
         """Return its derivative by s, membrane forces (N/m) and moments (N), shape (6, m)."""
         total = np.zeros(self._shape)
         for bent in self.layers:
-            total[:, bent.layer.covered] += bent.resultants()
+            total[:, bent.layer.face_numbers] += bent.resultants()
         return total
 
     def stiffness(self) -> Array:
         """Return the resultants' own derivative by s, shape (6, 6, m)."""
         total = np.zeros((6, *self._shape))
         for bent in self.layers:
-            total[:, :, bent.layer.covered] += bent.stiffness()
+            total[:, :, bent.layer.face_numbers] += bent.stiffness()
         return total
 
 

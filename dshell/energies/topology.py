@@ -75,7 +75,7 @@ class Topology:
 
 @dataclass(frozen=True, eq=False)
 class FaceNeighbours:
-    """What lies across the edges of each triangle; edge i is the one opposite to corner i.
+    """The neighbours across the edges of each triangle; edge i is opposite to corner i.
 
     Parameters
     ----------
@@ -84,11 +84,11 @@ class FaceNeighbours:
     edges : (m, 3) array of int
         Each edge's row in `Topology.edges`.
     side : (m, 3) array of float
-        1 where the triangle is the first at that edge, -1 where it is the second.
+        1 if the triangle is the first at that edge, -1 if it is the second.
     shared : (m, 3) array of bool
         Whether there is a neighbour.
     apexes : (m, 3) array of int
-        The neighbour's far node; the triangle's own where there is none.
+        The neighbour's far node; the triangle's own if there is none.
     """
 
     edge_count: int

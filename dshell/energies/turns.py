@@ -1,4 +1,4 @@
-"""How sharply a surface turns over an edge: the angle across it over its present length.
+"""The turn of a surface over an edge: the angle across the edge over its present length.
 
 With the flat length l, the present length l' and the angle theta, Morley's rule asks for the turn
 theta l / l'. The angle itself would do while the surface hardly stretches. The second fundamental

@@ -62,7 +62,7 @@ class PlaneHyperelastic:
 
         I1 = T / r^2 + r^4 / D,    I2 = D / r^4 + T r^2 / D,
 
-    and W = w(I1, I2) + (r^3 - 1)^2 / D1 is least in r by Newton's method; r = 1 where D1 = 0
+    and W = w(I1, I2) + (r^3 - 1)^2 / D1 is least in r by Newton's method; r = 1 if D1 = 0
     (incompressible).
 
     Parameters
@@ -313,7 +313,7 @@ class _LinearState:
 
 @singledispatch
 def plane_stress_law(material: Law) -> PlaneStressLaw:
-    """Return the plane-stress law of a layer's material; InputError where there is none."""
+    """Return the plane-stress law of a layer's material; InputError if there is none."""
     raise InputError(f"law = {type(material).__name__}: the discrete shell has no plane-stress law")
 
 

@@ -2,8 +2,8 @@
 
 In place of the printed balance of energies (paper, eqs. 6 and 7) the natural lengths and angles
 are those of the free laminate. Of the layers with moduli E_i, thicknesses t_i, mid-heights z_i and
-natural strains e_i (by their laws: 1 / lambda - 1 where stretched, but sqrt(1 - 2 (lambda - 1)) - 1
-of the linear law; 0 where not), about the neutral axis,
+natural strains e_i (by their laws: 1 / lambda - 1 if stretched, but sqrt(1 - 2 (lambda - 1)) - 1
+of the linear law; 0 if not), about the neutral axis,
 where B vanishes (Timoshenko 1925; Reddy, Mechanics of Laminated Composite Plates, ch. 3),
 
     A = sum E t,  D = sum E' (t^3 / 12 + t z^2),  E' = E / (1 - nu^2),
@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """What laminate theory makes of a pile of layers.
+    """The stiffness and the natural strain and curvature of a laminate.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def laminate_springs_and_hinges(
 
 
 def circumcentre_distances(mesh: PlanarMesh, topology: Topology) -> Array:
-    """Return how far apart the circumcentres of each hinge's triangles are, m, signed.
+    """Return the signed distance of the circumcentres of each hinge's triangles, m.
 
     a (cot alpha + cot beta) / 2 with the angles at the two apexes; negative where the mesh is not
     Delaunay.

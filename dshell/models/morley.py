@@ -48,10 +48,10 @@ class MorleyModel:
     def energies(self, stretch: tuple[float, float]) -> Sequence[MorleyFaces]:
         """Return the faces in blocks, the prestretch being (lambda_x, lambda_y)."""
         laminate = self._laminate(stretch)
-        return [faces.made_of(laminate.part(block)) for block, faces in self._blocks]
+        return [faces.with_laminate(laminate.part(block)) for block, faces in self._blocks]
 
     def reference_height(self, stretch: tuple[float, float]) -> float:
-        """Return how far the reference surface lies above the shell's own in the flat state, m.
+        """Return the height of the reference surface above the shell's own, flat, m.
 
         The shell's own surface is the mid-plane of the carrier, see `Specimen.carrier`; that of
         anything but a bilayer is the reference surface itself.

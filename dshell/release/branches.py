@@ -1,8 +1,8 @@
-"""Which equilibrium a shell takes where the one that it came to is unstable.
+"""Branch switching: the equilibrium that a shell takes if the one it found is unstable.
 
-The unstable equilibrium is left along its mode to both sides, and what lies there is compared by
-its energy. Or it is kept: the path then follows the unstable equilibria, with plain Newton
-iterations, which do not mind whether the energy falls.
+The unstable equilibrium is left along its mode to both sides, and the equilibria found there are
+compared by their energies. Or it is kept. The path then follows the unstable equilibria by plain
+Newton iterations, which do not require that the energy falls.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,20 +16,20 @@ from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
 
 Array = NDArray[np.float64]
 
-SIDES = (1.0, -1.0)
+MODE_SIDES = (1.0, -1.0)
 ESCAPES = 3
-"""How often an unstable equilibrium is left before it is kept as it is."""
+"""Number of times that an unstable equilibrium is left before it is kept."""
 FOLLOWING_ITERATIONS = 15
 """Of plain Newton iterations near an equilibrium; a step that needs more is halved."""
 FOLLOWING_STEP = 0.05
 """Of them, largest change of a degree of freedom over the largest that the descent allows."""
 SAME_ENERGY = 1e-9
-"""Branches are as low as each other, such as mirror images, where the energies agree so well."""
+"""Relative difference of two energies below which they count as equal, as of mirror images."""
 
 
 @dataclass(frozen=True, eq=False)
-class Landing:
-    """Where a load step has come to.
+class StepOutcome:
+    """The outcome of a load step.
 
     Parameters
     ----------
@@ -43,28 +43,28 @@ class Landing:
     unstable_modes: int | None
 
 
-class Branch(Protocol):
-    """A way from load step to load step."""
+class BranchRule(Protocol):
+    """A rule that selects the equilibrium of a load step."""
 
-    def land(
+    def take_load_step(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
-    ) -> Landing:
+    ) -> StepOutcome:
         """Find an equilibrium.
 
         Parameters
         ----------
         bodies : sequence of Body
-            On their way to the last of them, see `EquilibriumSolver.settle`.
+            On their way to the last of them, see `EquilibriumSolver.find_minimum`.
         start : array of float
             The first state, m.
         modes : int or None
-            Its unstable modes; None where it is no equilibrium.
+            Its unstable modes; None if it is no equilibrium.
         limits : NewtonLimits
             When to stop.
         """
 
 
-class StableBranches:
+class StableBranchRule:
     """Goes downhill to an equilibrium, and on to a stable one if it is not.
 
     Parameters
@@ -72,7 +72,7 @@ class StableBranches:
     solver : EquilibriumSolver
         Of the shell.
     distance : float
-        How far an unstable equilibrium is left along its mode, m.
+        Distance by which an unstable equilibrium is left along its mode, m.
     choose : callable
         Takes the energies of what was found, J, and returns the place of the one to take.
     """
@@ -85,31 +85,32 @@ class StableBranches:
     ) -> None:
         self._solver, self._distance, self._choose = solver, distance, choose
 
-    def land(
+    def take_load_step(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
-    ) -> Landing:
-        """Return where the last of some bodies comes to rest; see `Branch`."""
+    ) -> StepOutcome:
+        """Return the stable equilibrium of the last body; see `BranchRule`."""
         body = bodies[-1]
-        found = _landed(self._solver, body, self._solver.settle(bodies, start, limits))
+        found = _step_outcome(self._solver, body, self._solver.find_minimum(bodies, start, limits))
         for _ in range(ESCAPES):
             if not found.unstable_modes:
                 break
-            found = self._left(body, found.outcome, limits)
+            found = self._leave_unstable(body, found.outcome, limits)
         return found
 
-    def _left(self, body: Body, unstable: Outcome, limits: NewtonLimits) -> Landing:
+    def _leave_unstable(self, body: Body, unstable: Outcome, limits: NewtonLimits) -> StepOutcome:
         away = self._distance * self._solver.unstable_direction(body, unstable.state)
         sides = [
-            self._solver.settle([body], unstable.state + side * away, limits) for side in SIDES
+            self._solver.find_minimum([body], unstable.state + side * away, limits)
+            for side in MODE_SIDES
         ]
         arrived = [side for side in sides if side.converged] or sides[:1]
-        energies = [self._solver.placed(body, side.state).energy for side in arrived]
+        energies = [self._solver.configure(body, side.state).energy for side in arrived]
         taken = arrived[self._choose(energies)]
         iterations = unstable.iterations + sum(side.iterations for side in sides)
-        return _landed(self._solver, body, replace(taken, iterations=iterations))
+        return _step_outcome(self._solver, body, replace(taken, iterations=iterations))
 
 
-class AnyBranch:
+class UnstableBranchRule:
     """Goes downhill to a first equilibrium and then follows it, stable or not.
 
     Parameters
@@ -121,22 +122,26 @@ class AnyBranch:
     def __init__(self, solver: EquilibriumSolver) -> None:
         self._solver = solver
 
-    def land(
+    def take_load_step(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
-    ) -> Landing:
-        """Return the equilibrium of the last body next to the start; see `Branch`."""
+    ) -> StepOutcome:
+        """Return the equilibrium of the last body next to the start; see `BranchRule`."""
         body = bodies[-1]
         if modes is None:
-            return _landed(self._solver, body, self._solver.settle(bodies, start, limits))
+            return _step_outcome(
+                self._solver, body, self._solver.find_minimum(bodies, start, limits)
+            )
         near = replace(
             limits,
             iterations=min(limits.iterations, FOLLOWING_ITERATIONS),
             longest_step=FOLLOWING_STEP * limits.longest_step,
         )
-        return _landed(self._solver, body, self._solver.balance(body, start, near))
+        return _step_outcome(
+            self._solver, body, self._solver.find_nearby_equilibrium(body, start, near)
+        )
 
 
-class NextEquilibrium:
+class NextEquilibriumRule:
     """Goes downhill to an equilibrium, whatever its stability, and does not count its modes.
 
     Parameters
@@ -148,17 +153,17 @@ class NextEquilibrium:
     def __init__(self, solver: EquilibriumSolver) -> None:
         self._solver = solver
 
-    def land(
+    def take_load_step(
         self, bodies: Sequence[Body], start: Array, modes: int | None, limits: NewtonLimits
-    ) -> Landing:
-        """Return where the last of some bodies comes to rest; see `Branch`."""
-        return Landing(self._solver.settle(bodies, start, limits), None)
+    ) -> StepOutcome:
+        """Return the equilibrium of the last body downhill; see `BranchRule`."""
+        return StepOutcome(self._solver.find_minimum(bodies, start, limits), None)
 
 
-def _landed(solver: EquilibriumSolver, body: Body, outcome: Outcome) -> Landing:
+def _step_outcome(solver: EquilibriumSolver, body: Body, outcome: Outcome) -> StepOutcome:
     """Count the unstable modes of an outcome, if it is an equilibrium."""
     modes = solver.unstable_modes(body, outcome.state) if outcome.converged else None
-    return Landing(outcome, modes)
+    return StepOutcome(outcome, modes)
 
 
 def lowest(energies: Sequence[float]) -> int:
@@ -178,9 +183,9 @@ def _noise(energy: float) -> float:
     return SAME_ENERGY * abs(energy)
 
 
-BRANCH_RULES: Mapping[str, Callable[[EquilibriumSolver, float], Branch]] = {
-    "lowest": lambda solver, distance: StableBranches(solver, distance, lowest),
-    "other": lambda solver, distance: StableBranches(solver, distance, highest),
-    "unstable": lambda solver, distance: AnyBranch(solver),
+BRANCH_RULES: Mapping[str, Callable[[EquilibriumSolver, float], BranchRule]] = {
+    "lowest": lambda solver, distance: StableBranchRule(solver, distance, lowest),
+    "other": lambda solver, distance: StableBranchRule(solver, distance, highest),
+    "unstable": lambda solver, distance: UnstableBranchRule(solver),
 }
 """By the setting `branch`."""

@@ -1,7 +1,7 @@
-"""A fine mesh starts from the shape that a coarse one takes.
+"""Start of a fine mesh from the shape on a coarse one.
 
-From flat, a fine mesh takes as many Newton iterations as a coarse one, each at its own price, and
-its stiffness is indefinite on most of the way. From the coarse mesh's shape it takes a few.
+From flat, a fine mesh takes as many Newton iterations as a coarse one, and each costs more. Its
+stiffness is indefinite on most of the way. From the shape on the coarse mesh it takes a few.
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ from bilayer.specimen.specimen import MeshSize, Specimen
 Array = NDArray[np.float64]
 
 GAIN = 4
-"""A mesh is fine where it has so many times the triangles of the coarse one."""
+"""A mesh is fine if it has so many times the triangles of the coarse one."""
 OTHER_CUT = 0.05
 """Share of the area where two meshes disagree on the layers, above which their patterns differ.
 
@@ -26,7 +26,7 @@ Two meshes of 150 and more triangles with the same patterns disagree on less tha
 
 
 def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarMesh | None:
-    """Return a mesh of a specimen of about so many triangles, where a mesh is fine beside it.
+    """Return a mesh of a specimen of about so many triangles, if a mesh is fine beside it.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def _disagreement(coarse: PlanarMesh, fine: PlanarMesh) -> float:
     return float(fine.areas[differs].sum() / fine.areas.sum())
 
 
-def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
+def prolong_shape(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
     """Return a smooth surface through the nodes of a coarse mesh at those of a fine one.
 
     The coarse rim is a polygon within the fine one. So that nothing is extrapolated there, the fine
@@ -93,7 +93,7 @@ def prolonged(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
 
 
 def _share_within_hull(hull: Array, fine: PlanarMesh, centre: Array) -> float:
-    """Return how much a fine mesh has to shrink about a centre to lie in the hull of points.
+    """Return the factor by which a fine mesh shrinks about a centre to lie in a hull.
 
     The rim between two nodes is taken to bulge as a circle around the centre does, so that the
     share does not depend on where exactly its nodes lie.

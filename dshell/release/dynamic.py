@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
-from dshell.release.branches import Branch
+from dshell.release.branches import BranchRule
 from dshell.release.effort import ShellEffort
 from dshell.release.static import (
     Load,
@@ -36,7 +36,7 @@ from dshell.solve.newton import EquilibriumSolver
 
 Array = NDArray[np.float64]
 
-RAMP = 0.5
+RAMP_SHARE_OF_TIME = 0.5
 """Share of the time in which the load grows."""
 ITERATIONS = 12
 """Allowed in one time step; a step that needs more is halved."""
@@ -53,7 +53,7 @@ class MovingProblem(ShellProblem[Load], Protocol[Load]):
 
 @dataclass(frozen=True)
 class MotionLimits:
-    """How a motion advances.
+    """Duration, time step and damping of a motion.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class DynamicPath(StaticPath[Load]):
         motion: MotionLimits,
         limits: StepLimits,
         solver: EquilibriumSolver,
-        branch: Branch,
+        branch: BranchRule,
     ) -> None:
         super().__init__(problem, limits, solver, branch)
         self._moving, self._motion = problem, motion
@@ -117,7 +117,7 @@ class DynamicPath(StaticPath[Load]):
             for motion in adaptive_euler(self._body_moving(start.load, target), still, stepping):
                 self._effort += ShellEffort(motion.iterations, 1)
                 load = self._load_at(start.load, target, motion.time)
-                moved = self._solver.placed(self._problem.body(load), motion.position)
+                moved = self._solver.configure(self._problem.body(load), motion.position)
                 self._here = ShellState(load, motion.position, moved.error / scale)
                 if motion.time < end:
                     yield self._arrived(self._here, motion.time / end)
@@ -142,4 +142,6 @@ class DynamicPath(StaticPath[Load]):
         )
 
     def _load_at(self, start: Load, target: Load, now: float) -> Load:
-        return between(start, target, min(1.0, now / (RAMP * self._motion.total_time)))
+        return between(
+            start, target, min(1.0, now / (RAMP_SHARE_OF_TIME * self._motion.total_time))
+        )

@@ -9,13 +9,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.geometry.alignment import aligned_gradient
+from bilayer.geometry.alignment import align_gradient
 from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import central_difference
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Assembly, Energy, deform
 from dshell.models.reference_surface import reference_surface_gradient
-from dshell.release.specimen_shell import SpecimenShell, Stretch
+from dshell.release.specimen_shell import SpecimenShell
 from dshell.solve.linear_solver import Factor, NotPositiveDefiniteError, best_linear_solver
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ class LinearisedShell:
     """
 
     def __init__(
-        self, shell: SpecimenShell, assembly: Assembly, stretch: Stretch, state: Array
+        self, shell: SpecimenShell, assembly: Assembly, stretch: StretchPair, state: Array
     ) -> None:
         self._shell, self._stretch, self._state = shell, stretch, state
         self._free = assembly.free
@@ -72,7 +73,7 @@ class LinearisedShell:
         if shell.specimen.gravity == 0:
             flat = flat_surface(mesh)
             shape = shell.reference_surface(stretch, self._state)
-            gradient = aligned_gradient(shape, flat.points, flat.node_areas, gradient)
+            gradient = align_gradient(shape, flat.points, flat.node_areas, gradient)
         by_surface = reference_surface_gradient(
             shell.surface(self._state),
             mesh.triangles,
@@ -86,7 +87,7 @@ class LinearisedShell:
         return by_state
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the position changes with the state, (n, 3), m: a central difference."""
+        """Return the change of the position with the state, (n, 3), m: a central difference."""
         length = np.abs(state_change).max()
         if length == 0:
             return np.zeros_like(self._shell.surface(self._state))
@@ -98,9 +99,9 @@ class LinearisedShell:
         return np.asarray((ahead - behind) / (2 * step))
 
     def _difference(
-        self, value: Callable[[SpecimenShell, Stretch], Array], parameter: str
+        self, value: Callable[[SpecimenShell, StretchPair], Array], parameter: str
     ) -> Array:
-        def of(specimen: Specimen, stretch: Stretch) -> Array:
+        def of(specimen: Specimen, stretch: StretchPair) -> Array:
             return value(self._shell.of(specimen), stretch)
 
         return central_difference(of, self._shell.specimen, self._stretch, parameter)

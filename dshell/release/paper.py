@@ -16,8 +16,9 @@ from bilayer.errors import ComputationError, InputError
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import UNKNOWN_STABILITY
-from bilayer.results.starting import FLAT
+from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedError
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
@@ -26,7 +27,6 @@ from dshell.models.paper_rest_state import Ramp, rest_state
 from dshell.models.reference_surface import reference_surface_over
 from dshell.release.effort import NO_EFFORT, ShellEffort
 from dshell.release.specimen_path import VERSIONS
-from dshell.release.specimen_shell import UNSTRETCHED, Stretch
 from dshell.release.static import between
 from dshell.settings import PaperSettings
 from dshell.solve.dynamics import ConvergenceError, Motion, MovingBody, Stepping, implicit_euler
@@ -40,7 +40,7 @@ class _Run:
 
     specimen: Specimen
     mesh: PlanarMesh
-    stretch: Stretch
+    stretch: StretchPair
     thickness: float
     body: MovingBody
     stepping: Stepping
@@ -72,7 +72,7 @@ class PaperShape:
     effort: ShellEffort = NO_EFFORT
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """Prestretch that the natural lengths and angles have grown to."""
         return between(UNSTRETCHED, self.run.stretch, self.share)
 
@@ -121,7 +121,7 @@ class PaperPath:
     specimen : Specimen
         What to release; the settings' thickness rule takes the place of its own.
     mesh : PlanarMesh
-        The flat bonded interface.
+        The flat reference surface.
     settings : PaperSettings
         What the paper leaves open.
 
@@ -133,7 +133,7 @@ class PaperPath:
 
     comm = None
     versions = VERSIONS
-    start = FLAT
+    start = FLAT_START
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh, settings: PaperSettings) -> None:
         _check_input(specimen)
@@ -143,7 +143,7 @@ class PaperPath:
         self._ruled = replace(specimen, prestretch=ruled)
         self._here: PaperShape | None = None
 
-    def approach(self, target: Stretch) -> Iterator[PaperShape]:
+    def approach(self, target: StretchPair) -> Iterator[PaperShape]:
         """Run from flat to the end of the ramp of a prestretch.
 
         Yields
@@ -187,7 +187,7 @@ class PaperPath:
     def close(self) -> None:
         """Free nothing: Python does."""
 
-    def _run_to(self, stretch: Stretch) -> _Run:
+    def _run_to(self, stretch: StretchPair) -> _Run:
         specimen, mesh, settings = self._ruled, self.mesh, self._settings
         thickness = specimen.bonded_layer("substrate", stretch).thickness
         scale = force_scale(specimen, thickness)
@@ -208,7 +208,7 @@ def paper_body(
     stretch: tuple[float, float],
     settings: PaperSettings,
 ) -> MovingBody:
-    """Return what moves: the energies on their ramp, the lumped masses and the tapering gravity.
+    """Return the moving body: energies on their ramp, lumped masses and the tapering gravity.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Six held coordinates that take away the rigid motion and nothing else.
+"""Six held coordinates that remove the rigid motion and nothing else.
 
-One node is held in x, y and z, a far one in y and z, a third, off their line, in z. Elastic forces
-are in balance, so at an equilibrium without a load the reactions vanish and the shape is free.
+One node is held in x, y and z, a far one in y and z, and a third, not on their line, in z. Elastic
+forces are in balance. At an equilibrium without a load the reactions vanish, and the shape is free.
 """
 
 import numpy as np
@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
-from bilayer.specimen.support import HeldNodes, clamped_at_centre
+from bilayer.specimen.support import HeldNodes, choose_nodes_at_centre
 from dshell.energies.assembly import coordinates_of
 
 Array = NDArray[np.float64]
 
 
-def held_nodes(mesh: PlanarMesh) -> HeldNodes:
+def choose_far_nodes(mesh: PlanarMesh) -> HeldNodes:
     """Return the nodes that are held: the centre, a far one along x, one that spans the most.
 
     The far one lies in the direction of x, unless the sheet reaches twice as far in the other.
@@ -28,9 +28,11 @@ def held_nodes(mesh: PlanarMesh) -> HeldNodes:
     return centre, far, side
 
 
-def support(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
+def choose_held_nodes(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
     """Return the nodes where a specimen is held: see `bilayer.specimen.support`."""
-    return clamped_at_centre(mesh.points, mesh.centroid) if specimen.gravity else held_nodes(mesh)
+    if specimen.gravity:
+        return choose_nodes_at_centre(mesh.points, mesh.centroid)
+    return choose_far_nodes(mesh)
 
 
 def held_coordinates(nodes: HeldNodes) -> NDArray[np.int64]:

@@ -14,11 +14,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.measures.milestone import Measures, measure
-from bilayer.results.starting import FLAT
+from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
+from bilayer.specimen.prestretch import StretchPair
 from dshell.release.effort import ShellEffort
 from dshell.release.linearised import LinearisedShell
-from dshell.release.specimen_shell import SpecimenShell, Stretch
+from dshell.release.specimen_shell import SpecimenShell
 from dshell.release.static import ShellState, StaticPath
 from dshell.solve.newton import EquilibriumSolver
 
@@ -32,7 +33,7 @@ VERSIONS = {"scipy": scipy.__version__}
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """How a path begins.
+    """The start of a path.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ class Beginning:
     text: str
 
 
-Begin = Callable[[Stretch], Beginning]
+Begin = Callable[[StretchPair], Beginning]
 """Returns how a path begins whose first target is a prestretch."""
 
 
@@ -69,7 +70,7 @@ class ShellEquilibrium:
         self,
         shell: SpecimenShell,
         solver: EquilibriumSolver,
-        found: ShellState[Stretch],
+        found: ShellState[StretchPair],
         start: str,
     ) -> None:
         self._shell, self._solver, self._found, self._start = shell, solver, found, start
@@ -85,7 +86,7 @@ class ShellEquilibrium:
         return self._found.effort
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """Its prestretch."""
         return self._found.load
 
@@ -161,15 +162,15 @@ class ShellPath:
         self,
         shell: SpecimenShell,
         solver: EquilibriumSolver,
-        path: StaticPath[Stretch],
+        path: StaticPath[StretchPair],
         begin: Begin,
     ) -> None:
         self.mesh = shell.mesh
         self._shell, self._solver, self._path = shell, solver, path
         self._begin: Begin | None = begin
-        self.start = FLAT
+        self.start = FLAT_START
 
-    def approach(self, target: Stretch) -> Iterator[ShellEquilibrium]:
+    def approach(self, target: StretchPair) -> Iterator[ShellEquilibrium]:
         """Go to a prestretch; see `Path`."""
         if self._begin is not None:
             beginning, self._begin = self._begin(target), None
@@ -177,20 +178,20 @@ class ShellPath:
         for found in self._path.approach(target):
             yield self._equilibrium(found)
 
-    def _begin_with(self, beginning: Beginning, target: Stretch) -> None:
+    def _begin_with(self, beginning: Beginning, target: StretchPair) -> None:
         """Go to the equilibrium near the first shape, or stay flat."""
         self.start = beginning.text
         if beginning.shape is None:
             return
         guess = self._shell.state_near(beginning.shape, target)
         if not self._path.begin_near(guess, target, START_ITERATIONS):
-            self.start = f"{FLAT}, because what was to start it led nowhere: {self.start}"
+            self.start = f"{FLAT_START}, because what was to start it led nowhere: {self.start}"
 
     def stopped(self) -> ShellEquilibrium:
         """Return the last state; see `Path`."""
         return self._equilibrium(self._path.stopped())
 
-    def _equilibrium(self, found: ShellState[Stretch]) -> ShellEquilibrium:
+    def _equilibrium(self, found: ShellState[StretchPair]) -> ShellEquilibrium:
         return ShellEquilibrium(self._shell, self._solver, found, self.start)
 
     def restore(self, saved: Saved) -> None:

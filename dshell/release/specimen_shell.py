@@ -10,23 +10,22 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.geometry.alignment import aligned, placed
+from bilayer.geometry.alignment import align, move_onto_held_points
 from bilayer.mesh.planar import PlanarMesh, flat_surface
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
 from dshell.models.masses import lumped_masses
 from dshell.models.reference_surface import reference_surface_over
-from dshell.release.rigid_motion import held_coordinates, support
+from dshell.release.rigid_motion import choose_held_nodes, held_coordinates
 from dshell.solve.newton import Body
 
 Array = NDArray[np.float64]
-Stretch = tuple[float, float]
 
-UNSTRETCHED: Stretch = (1.0, 1.0)
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
-"""How far an unstable equilibrium is left along its mode, over the carrier's thickness."""
+"""Distance by which an unstable equilibrium is left, over the carrier's thickness."""
 
 
 class ShellModel(Protocol):
@@ -35,13 +34,13 @@ class ShellModel(Protocol):
     extra_dofs: int
     """Degrees of freedom behind the nodes' coordinates."""
 
-    def energies(self, stretch: Stretch) -> Sequence[Energy]:
+    def energies(self, stretch: StretchPair) -> Sequence[Energy]:
         """Return the energies at a prestretch, always on the same stencils."""
 
-    def reference_height(self, stretch: Stretch) -> Array | float:
+    def reference_height(self, stretch: StretchPair) -> Array | float:
         """Return the flat height of the reference surface above the nodes, m, shape (n,) or ()."""
 
-    def energy_terms(self, stretch: Stretch, state: Array) -> Mapping[str, float]:
+    def energy_terms(self, stretch: StretchPair, state: Array) -> Mapping[str, float]:
         """Return the energies that a result lists, J."""
 
 
@@ -69,7 +68,7 @@ class SpecimenShell:
     ) -> None:
         self.specimen, self.mesh = specimen, mesh
         self._make_model, self._tolerance = make_model, tolerance
-        self._held_nodes = support(specimen, mesh)
+        self._held_nodes = choose_held_nodes(specimen, mesh)
         self.held = held_coordinates(self._held_nodes)
 
     @cached_property
@@ -86,7 +85,7 @@ class SpecimenShell:
 
     @property
     def escape(self) -> float:
-        """How far an unstable equilibrium is left along its mode, m."""
+        """Distance by which an unstable equilibrium is left along its mode, m."""
         return ESCAPE * self.specimen.carrier.thickness
 
     def of(self, specimen: Specimen) -> "SpecimenShell":
@@ -97,23 +96,23 @@ class SpecimenShell:
             other.model = self.model
         return other
 
-    def flat(self, stretch: Stretch) -> Array:
+    def flat(self, stretch: StretchPair) -> Array:
         """Return the flat bonded state, the model's surface at z = 0."""
         return self._state_of(np.column_stack([self.mesh.points, np.zeros(len(self.mesh.points))]))
 
-    def body(self, stretch: Stretch) -> Body:
+    def body(self, stretch: StretchPair) -> Body:
         """Return the shell at a prestretch, with its weight."""
         masses = lumped_masses(self.specimen, self.mesh, stretch)
         load = np.zeros((len(masses), 3))
         load[:, 2] = -self.specimen.gravity * masses
         return Body(self.model.energies(stretch), self._state_of(load))
 
-    def masses(self, stretch: Stretch) -> Array:
+    def masses(self, stretch: StretchPair) -> Array:
         """Return the mass behind each degree of freedom, kg; 0 behind those that are no nodes'."""
         masses = np.repeat(lumped_masses(self.specimen, self.mesh, stretch), 3)
         return np.concatenate([masses, np.zeros(self.model.extra_dofs)])
 
-    def forces(self, stretch: Stretch, state: Array) -> Array:
+    def forces(self, stretch: StretchPair, state: Array) -> Array:
         """Return the residual force on every degree of freedom, N; 0 on those that are held."""
         body = self.body(stretch)
         forces = gradient_of(deform(body.energies, state)) - body.load
@@ -124,12 +123,12 @@ class SpecimenShell:
         """Return the nodes of the model's surface, m, shape (n, 3)."""
         return state[: 3 * len(self.mesh.points)].reshape(-1, 3)
 
-    def reference_surface(self, stretch: Stretch, state: Array) -> Array:
+    def reference_surface(self, stretch: StretchPair, state: Array) -> Array:
         """Return the reference surface where the nodes are held, m, shape (n, 3)."""
         mesh, height = self.mesh, self.model.reference_height(stretch)
         return reference_surface_over(self.surface(state), mesh.triangles, mesh.areas, height)
 
-    def position(self, stretch: Stretch, state: Array) -> Array:
+    def position(self, stretch: StretchPair, state: Array) -> Array:
         """Return the reference surface as a result has it, m, shape (n, 3).
 
         A shape without weight has no orientation of its own: it is turned to lie on the flat sheet
@@ -139,13 +138,13 @@ class SpecimenShell:
         if self.specimen.gravity > 0:
             return shape
         flat = flat_surface(self.mesh)
-        return aligned(shape, flat.points, flat.node_areas)
+        return align(shape, flat.points, flat.node_areas)
 
-    def state_near(self, shape: Array, stretch: Stretch) -> Array:
+    def state_near(self, shape: Array, stretch: StretchPair) -> Array:
         """Return the state whose reference surface is near a given one, in any position."""
         mesh, depth = self.mesh, -self.model.reference_height(stretch)
         surface = reference_surface_over(shape, mesh.triangles, mesh.areas, depth)
-        return self._state_of(placed(surface, mesh.points, self._held_nodes))
+        return self._state_of(move_onto_held_points(surface, mesh.points, self._held_nodes))
 
     def _state_of(self, nodes: Array) -> Array:
         """Return the state of nodes at (n, 3), m, with every other degree of freedom 0."""

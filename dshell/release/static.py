@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
 from dshell.energies.assembly import Assembly
-from dshell.release.branches import Branch
+from dshell.release.branches import BranchRule
 from dshell.release.effort import NO_EFFORT, ShellEffort
 from dshell.solve.linear_solver import LinearSolver
 from dshell.solve.newton import Body, EquilibriumSolver, NewtonLimits, Outcome
@@ -52,7 +52,7 @@ class ShellProblem(Protocol[Load]):
 
 @dataclass(frozen=True)
 class StepLimits:
-    """How far a path goes at a time, and when a state is an equilibrium.
+    """Size of the steps of a path, and tolerance of its equilibria.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class StaticPath(Generic[Load]):
         Tolerances and limits.
     solver : EquilibriumSolver
         Of the shell, see `equilibrium_solver`.
-    branch : Branch
+    branch : BranchRule
         Finds the equilibrium of a load step.
     """
 
@@ -123,10 +123,10 @@ class StaticPath(Generic[Load]):
         problem: ShellProblem[Load],
         limits: StepLimits,
         solver: EquilibriumSolver,
-        branch: Branch,
+        branch: BranchRule,
     ) -> None:
         self._problem, self._limits = problem, limits
-        self._solver, self._branch = solver, branch
+        self._solver, self._branch_rule = solver, branch
         self._here = ShellState(problem.unloaded, problem.flat(problem.unloaded))
         self._effort = ShellEffort()
 
@@ -199,7 +199,7 @@ class StaticPath(Generic[Load]):
         scale = self._force_scale(body, load)
         limits = NewtonLimits(self._limits.tolerance * scale, iterations, self._limits.longest_step)
         bodies = self._ramp(here.load, body, load)
-        found = self._branch.land(bodies, here.state, here.unstable_modes, limits)
+        found = self._branch_rule.take_load_step(bodies, here.state, here.unstable_modes, limits)
         outcome = found.outcome
         self._effort += ShellEffort(outcome.iterations, 1)
         if not outcome.converged:
@@ -217,7 +217,7 @@ class StaticPath(Generic[Load]):
     def _force_scale(self, body: Body, load: Load) -> float:
         """Return the force that the tolerance is relative to, N: that on the flat state."""
         weightless = Body(body.energies, 0 * body.load)
-        flat = self._solver.placed(weightless, self._problem.flat(load))
+        flat = self._solver.configure(weightless, self._problem.flat(load))
         if not math.isfinite(flat.error):
             raise ComputationError(
                 f"the flat sheet is out of reach at {max(load):.6g}: the law of a layer locks"

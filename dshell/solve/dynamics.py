@@ -26,12 +26,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class MovingBody:
-    """What moves, and under what.
+    """A moving body: its energies, masses and loads.
 
     Parameters
     ----------
     masses : array of float
-        Mass behind each degree of freedom, kg, in the shape of the position; 0 where there is none.
+        Mass behind each degree of freedom, kg, in the shape of the position; 0 if there is none.
     held : array of int
         Degrees of freedom that do not move, by their places in the flattened position.
     energies : callable
@@ -71,7 +71,7 @@ class NewtonRule:
 
 @dataclass(frozen=True)
 class Stepping:
-    """How time and the Newton iterations advance.
+    """Settings of the time steps and their Newton iterations.
 
     Parameters
     ----------
@@ -119,12 +119,12 @@ class AdaptiveStepping:
     """Iterations up to which a step counts as easy."""
     GROWTH: ClassVar[float] = 1.5
     HALVINGS: ClassVar[int] = 10
-    """How often the first step may be halved in all before the motion is given up."""
+    """Number of halvings of the first step after which the motion is given up."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Where the body is at one time, and what the step to it took.
+    """The body at one time, and the iterations of the step to it.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ def _step(
 
 
 def _solved(linear: LinearSolver, matrix: csc_matrix, right_side: Array) -> Array:
-    """Solve a symmetric system; NaN where the matrix is singular."""
+    """Solve a symmetric system; NaN if the matrix is singular."""
     try:
         return linear.factor(matrix).solve(right_side)
     except SingularMatrixError:

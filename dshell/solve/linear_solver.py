@@ -1,9 +1,9 @@
-"""Sparse symmetric systems: one small interface, PETSc where it is there, SciPy elsewhere.
+"""Sparse symmetric systems: one small interface, by PETSc if it is installed, else by SciPy.
 
-Two factorisations: L L' of a positive definite matrix, whose failure is how the static solver sees
-that a state is not stable; and L D L' of any, which tells the number of negative eigenvalues
-(Sylvester's law of inertia: as many as negative pivots in D). All matrices that a solver is given
-share one sparsity pattern, so PETSc's solvers find their ordering once.
+There are two factorisations. L L' of a positive definite matrix: its failure shows the static
+solver that a state is not stable. L D L' of any matrix: it shows the number of negative eigenvalues
+(by Sylvester's law of inertia, that of the negative pivots in D). All matrices that a solver is
+given share one sparsity pattern, so PETSc's solvers find their ordering once.
 """
 
 from importlib.util import find_spec
@@ -30,7 +30,7 @@ MUMPS_ORDERINGS = {
     "metis": 5,
     "qamd": 6,
 }
-"""MUMPS's numbers, ICNTL(7), of its orderings; it takes another where one was not built in."""
+"""MUMPS's numbers, ICNTL(7), of its orderings; it takes another if one was not built in."""
 _PETSC_BAD_CHOLESKY_PIVOT = 81  # PETSC_ERR_MAT_CH_ZRPVT
 
 
@@ -65,7 +65,7 @@ class LinearSolver(Protocol):
         """Return a factor of a positive definite matrix, or raise NotPositiveDefiniteError."""
 
     def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
-        """Return a factor of any matrix; SingularMatrixError where there is none."""
+        """Return a factor of any matrix; SingularMatrixError if there is none."""
 
 
 class SuperLUSolver:
@@ -75,7 +75,7 @@ class SuperLUSolver:
 
     def cholesky(self, matrix: csc_matrix) -> Factor:
         """See `LinearSolver`."""
-        return _definite(self, matrix)
+        return _factor_definite(self, matrix)
 
     def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
         """See `LinearSolver`."""
@@ -111,14 +111,14 @@ class MumpsSolver:
         self._petsc = _PetscSystem("mumps", {"icntl_7": MUMPS_ORDERINGS[ordering]})
 
     @property
-    def ordering_taken(self) -> str:
+    def used_ordering(self) -> str:
         """The ordering that MUMPS took for the last matrix."""
         number = self._petsc.package_data.getMumpsInfog(_MUMPS_ORDERING_TAKEN)
         return {code: name for name, code in MUMPS_ORDERINGS.items()}.get(number, str(number))
 
     def cholesky(self, matrix: csc_matrix) -> Factor:
         """See `LinearSolver`."""
-        return _definite(self, matrix)
+        return _factor_definite(self, matrix)
 
     def factor(self, matrix: csc_matrix) -> IndefiniteFactor:
         """See `LinearSolver`."""
@@ -226,11 +226,11 @@ class _MumpsFactor:
 
 
 def best_linear_solver() -> LinearSolver:
-    """Return CHOLMOD where petsc4py is there, SuperLU otherwise."""
+    """Return CHOLMOD if petsc4py is there, SuperLU otherwise."""
     return CholmodSolver() if find_spec("petsc4py") else SuperLUSolver()
 
 
-def _definite(solver: LinearSolver, matrix: csc_matrix) -> Factor:
+def _factor_definite(solver: LinearSolver, matrix: csc_matrix) -> Factor:
     """Return the factor L D L' of a matrix whose pivots are all positive."""
     try:
         factor = solver.factor(matrix)

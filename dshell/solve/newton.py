@@ -1,13 +1,14 @@
-"""Newton's method for the least energy: projected where the Hessian is indefinite, damped.
+"""Newton's method for the least energy, damped and, if the Hessian is indefinite, modified.
 
-Each iteration factorises the exact Hessian; where that has a negative eigenvalue, its convex
-relative instead, so that the step always goes downhill. Steps are capped in length and shortened
-until the energy falls enough (Armijo); a whole one must not make the residual force much larger.
+Each iteration factorises the exact Hessian. If it has a negative eigenvalue, a convex replacement
+is factorised instead, so that the step always goes downhill. Steps are limited in length and
+shortened until the energy falls enough (Armijo). A whole step must not make the residual force much
+larger.
 
-A thin shell bends easily and stretches hardly, so a straight step that turns it also stretches it,
-and the line search would allow only short ones (the Maratos effect). Corrections with the same
-factor, which learns from each of them, take that stretch away again before the energy is judged:
-they cost no factorisation. Where in full they would raise the energy they are shortened.
+A thin shell is soft in bending and stiff in stretching. A straight step that turns it also
+stretches it, and the line search would allow only short steps (the Maratos effect). Corrections
+with the same factor remove that stretch before the energy is judged. They cost no factorisation.
+Each of them updates the factor (BFGS). A correction that would raise the energy is shortened.
 """
 
 from collections.abc import Sequence
@@ -61,7 +62,7 @@ class NoDescentError(ComputationError):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What is in equilibrium: elastic energies under a dead load.
+    """A body: elastic energies under a dead load.
 
     Parameters
     ----------
@@ -154,7 +155,7 @@ class NewtonLimits:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Where the iterations ended.
+    """The end of the iterations.
 
     Parameters
     ----------
@@ -174,7 +175,7 @@ class Outcome:
     iterations: int
 
 
-class _Mended:
+class _FlippedFactor:
     """An indefinite matrix, factorised, with its negative eigenvalues' signs turned."""
 
     def __init__(self, factor: Factor, values: Array, modes: Array) -> None:
@@ -201,11 +202,11 @@ class EquilibriumSolver:
         self.assembly = assembly
         self._linear = linear_solver
 
-    def placed(self, body: Body, state: Array) -> Configuration:
+    def configure(self, body: Body, state: Array) -> Configuration:
         """Return a body in a state."""
         return Configuration(body, state, self.assembly)
 
-    def settle(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
+    def find_minimum(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
         """Go downhill from a state to an equilibrium, or as far as the limits let.
 
         Parameters
@@ -217,21 +218,21 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
-        here = self.placed(bodies[0], start)
+        here = self.configure(bodies[0], start)
         for iteration in range(limits.iterations + 1):
             body = bodies[min(iteration, len(bodies) - 1)]
             if here.body is not body:
-                here = self.placed(body, here.state)
+                here = self.configure(body, here.state)
             converged = body is bodies[-1] and here.error <= limits.tolerance
             if converged or iteration == limits.iterations:
                 break
             try:
-                here = self._improved(here, limits)
+                here = self._iterate(here, limits)
             except NoDescentError:
                 break
         return Outcome(here.state, converged, here.error, iteration)
 
-    def balance(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
+    def find_nearby_equilibrium(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
         """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
 
         Parameters
@@ -243,7 +244,7 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
-        here = self.placed(body, start)
+        here = self.configure(body, start)
         for iteration in range(limits.iterations + 1):
             converged = here.error <= limits.tolerance
             if converged or not np.isfinite(here.error) or iteration == limits.iterations:
@@ -252,13 +253,13 @@ class EquilibriumSolver:
                 factor = self._linear.factor(here.hessian())
             except SingularMatrixError:
                 break
-            step = _capped(self._step(factor, here.residual), limits.longest_step)
-            here = self.placed(body, here.state + step)
+            step = _cap_step(self._step(factor, here.residual), limits.longest_step)
+            here = self.configure(body, here.state + step)
         return Outcome(here.state, converged, here.error, iteration)
 
     def unstable_modes(self, body: Body, state: Array) -> int:
         """Return the number of negative eigenvalues of the exact Hessian."""
-        hessian = self.placed(body, state).hessian()
+        hessian = self.configure(body, state).hessian()
         try:
             self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
@@ -267,22 +268,22 @@ class EquilibriumSolver:
 
     def unstable_direction(self, body: Body, state: Array) -> Array:
         """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
-        hessian = self.placed(body, state).hessian()
+        hessian = self.configure(body, state).hessian()
         _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count=1)
         direction = np.zeros_like(state)
         direction[self.assembly.free] = modes[:, 0]
         return direction / direction[np.argmax(np.abs(direction))]
 
-    def _improved(self, here: Configuration, limits: NewtonLimits) -> Configuration:
-        """Return what one iteration makes of it: the longest halved step that is low enough."""
-        factor = self._descent(here)
+    def _iterate(self, here: Configuration, limits: NewtonLimits) -> Configuration:
+        """Return the body after one iteration: the longest halved step that is low enough."""
+        factor = self._factor_downhill(here)
         straight = self._step(factor, here.residual)
-        step = _capped(straight, limits.longest_step)
+        step = _cap_step(straight, limits.longest_step)
         whole = step is straight
         slope = float(here.residual @ step[self.assembly.free])
         share = 1.0
         while share > SHORTEST_STEP:
-            there = self._corrected(here, share * step, factor, limits)
+            there = self._step_and_correct(here, share * step, factor, limits)
             change = there.energy - here.energy
             too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
             if change <= SUFFICIENT_DECREASE * share * slope and not too_far:
@@ -292,32 +293,32 @@ class EquilibriumSolver:
             share /= 2
         raise NoDescentError("no step along Newton's direction lowers the energy")
 
-    def _corrected(
+    def _step_and_correct(
         self, here: Configuration, step: Array, factor: Factor, limits: NewtonLimits
     ) -> Configuration:
-        """Return what comes after a step and those corrections that lower the energy.
+        """Return the configuration after a step and those corrections that lower the energy.
 
-        The factor learns from the corrections, not from the step: that has stretched the shell,
-        and so the way along it, soft as it is, would seem stiff and be taken back.
+        The BFGS update must not use the step itself: it also stretches the shell, so the bending
+        direction would look stiff and the next iteration would undo the step.
         """
         free = self.assembly.free
-        there = self.placed(here.body, here.state + step)
+        there = self.configure(here.body, here.state + step)
         inverse = SecantInverse(factor)
         for _ in range(limits.corrections):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
                 break
-            correction = _capped(self._step(inverse, there.residual), limits.longest_step)
-            lower = self._lower(there, correction)
+            correction = _cap_step(self._step(inverse, there.residual), limits.longest_step)
+            lower = self._shorten_correction(there, correction)
             if lower is None:
                 break
-            inverse.observe((lower.state - there.state)[free], lower.residual - there.residual)
+            inverse.add_pair((lower.state - there.state)[free], lower.residual - there.residual)
             there = lower
         return there
 
-    def _lower(self, here: Configuration, correction: Array) -> Configuration | None:
-        """Return what the largest share of a correction that lowers the energy makes of it."""
+    def _shorten_correction(self, here: Configuration, correction: Array) -> Configuration | None:
+        """Return the body after the largest share of a correction that lowers the energy."""
         for share in CORRECTION_SHARES:
-            there = self.placed(here.body, here.state + share * correction)
+            there = self.configure(here.body, here.state + share * correction)
             noise = CORRECTION_NOISE * here.energy_scale
             change = there.energy - here.energy
             if change < -noise or (change <= noise and there.error < here.error):
@@ -329,14 +330,14 @@ class EquilibriumSolver:
         step[self.assembly.free] = -factor.solve(residual)
         return step
 
-    def _descent(self, here: Configuration) -> Factor:
+    def _factor_downhill(self, here: Configuration) -> Factor:
         hessian = here.hessian()
         try:
             return self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
-            return self._mended(hessian) or self._convex(here)
+            return self._flip_negative_modes(hessian) or self._factor_convex(here)
 
-    def _mended(self, hessian: csc_matrix) -> Factor | None:
+    def _flip_negative_modes(self, hessian: csc_matrix) -> Factor | None:
         """Return the Hessian with its negative eigenvalues made positive, if they are few.
 
         Where a shape is about to lose its symmetry one or two of them are nearly 0, and the convex
@@ -346,12 +347,12 @@ class EquilibriumSolver:
             factor = self._linear.factor(hessian)
             if 0 < factor.negative <= FEW_NEGATIVE:
                 pairs = _negative_pairs(hessian, factor, factor.negative, MODE_RESTARTS)
-                return _Mended(factor, *pairs)
+                return _FlippedFactor(factor, *pairs)
         except (SingularMatrixError, ArpackError):
             pass
         return None
 
-    def _convex(self, here: Configuration) -> Factor:
+    def _factor_convex(self, here: Configuration) -> Factor:
         convex = here.convex_hessian()
         diagonal = convex.diagonal()
         convex.setdiag(diagonal + CONVEX_SHIFT * diagonal.mean())
@@ -361,8 +362,8 @@ class EquilibriumSolver:
             raise NoDescentError("round-off hides the convex relative of the stiffness") from error
 
 
-def _capped(step: Array, longest: float) -> Array:
-    """Return a step itself where no degree of freedom changes by more than `longest`, or less."""
+def _cap_step(step: Array, longest: float) -> Array:
+    """Return a step itself if no degree of freedom changes by more than `longest`, or less."""
     length = np.abs(step).max()
     return step * (longest / length) if length > longest else step
 

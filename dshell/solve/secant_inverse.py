@@ -1,11 +1,11 @@
-"""A factor that learns: the inverse of the stiffness nearby, from how forces changed over steps.
+"""BFGS update of a factor: the inverse of the stiffness nearby, from the changes of the forces.
 
-The factor of one state serves for steps at others, where it is wrong. Each step s that changed the
-residual force by y tells what the inverse H there should have made of it: s = H y. The nearest such
-symmetric, positive definite H is Broyden's, Fletcher's, Goldfarb's and Shanno's, applied without
-storing it by Nocedal's two loops (Updating quasi-Newton matrices with limited storage, Math. Comp.
-35, 1980), with the factor in their middle. Matthies and Strang (Int. J. Numer. Meth. Eng. 14, 1979)
-use it so for structures.
+The factor of one state is used for steps at other states, where it is not exact. A step s changes
+the residual force by y. The inverse H of the stiffness there satisfies the secant condition
+s = H y. BFGS (Broyden, Fletcher, Goldfarb, Shanno) takes the nearest such H that is symmetric and
+positive definite. Nocedal's two loops apply it without storing it (Updating quasi-Newton matrices
+with limited storage, Math. Comp. 35, 1980), with the factor in their middle. Matthies and Strang
+(Int. J. Numer. Meth. Eng. 14, 1979) use it in this way for structures.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ class SecantInverse:
         self._factor = factor
         self._seen: list[tuple[Array, Array, float]] = []  # s, y, s . y
 
-    def observe(self, step: Array, change: Array) -> None:
+    def add_pair(self, step: Array, change: Array) -> None:
         """Learn from a step, m, and the change of the residual force over it, N, each (n,)."""
         product = _dot(step, change)
         if product > LEAST_COSINE * np.linalg.norm(step) * np.linalg.norm(change):

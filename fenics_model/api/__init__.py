@@ -1,1 +1,1 @@
-"""What differs between the versions of dolfinx, and how forms are compiled."""
+"""The differences between the versions of dolfinx, and the options of the compiler."""

@@ -1,4 +1,4 @@
-"""What differs between dolfinx 0.9, 0.10 and 0.11 and their PETSc, and nothing else: the one edge.
+"""All differences between dolfinx 0.9, 0.10 and 0.11 and their PETSc, and nothing else.
 
 The calls that are the same in all three are made where they are needed, with the arguments that
 were renamed (`diagonal`, `diag`) left at their defaults.

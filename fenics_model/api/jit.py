@@ -1,4 +1,4 @@
-"""How the forms are compiled: options of the just-in-time compiler.
+"""Options of the just-in-time compiler of the forms.
 
 The sums of the kernels may be added up in any order, which lets the compiler compute several terms
 at once; infinities and NaNs, which tell of elements turned inside out, stay what they are. Options

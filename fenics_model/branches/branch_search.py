@@ -1,8 +1,9 @@
 """From an unstable equilibrium onto stable branches: along its mode to either side.
 
-The most unstable mode is followed down the valley of the energy on both sides; where that ends,
-Newton's method finds the equilibrium, or the viscous flow if it does not or if what it finds is
-unstable again. What both sides come to is compared by its energy, and one of them is taken.
+The most unstable mode is followed down the valley of the energy on both sides. At the end of the
+valley Newton's method finds an equilibrium. If it fails, or if that equilibrium is unstable, the
+gradient flow continues to a stable one. The two equilibria are compared by their energies, and the
+setting `branch` selects one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,25 +12,25 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.specimen.settings import BRANCH_CHOICES
 from fenics_model.branches.buckling_modes import BucklingMode, buckling_modes
 from fenics_model.branches.gradient_flow import GradientFlow
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.branches.valley_walk import ValleyWalk, WalkRule
-from fenics_model.settings import BRANCHES
 from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
-SIDES = {"plus": 1.0, "minus": -1.0}
+MODE_SIDES = {"plus": 1.0, "minus": -1.0}
 
-LEFT = "left"
+DEPARTED = "left"
 """Name of the unstable equilibrium that the search begins at."""
 
 
 @dataclass(frozen=True)
 class SearchRule:
-    """How long a search goes on, and which of the branches that it finds it takes.
+    """Limits of a search, and the branch that it takes.
 
     Parameters
     ----------
@@ -54,17 +55,17 @@ class SearchRule:
 
 
 @dataclass(frozen=True)
-class Branch:
+class BranchEquilibrium:
     """An equilibrium at a milestone, unstable or found by leaving that one.
 
     Parameters
     ----------
     name : str
-        `LEFT`, or one of `SIDES`.
+        `DEPARTED`, or one of `MODE_SIDES`.
     energy : float
-        Potential energy, J; NaN where the search found nothing.
+        Potential energy, J; NaN if the search found nothing.
     unstable_modes : int
-        -1 where the search found nothing.
+        -1 if the search found nothing.
     """
 
     name: str
@@ -73,23 +74,23 @@ class Branch:
 
 
 @dataclass(frozen=True, eq=False)
-class Departure:
-    """What a search found.
+class BranchSearchOutcome:
+    """The outcome of a branch search.
 
     Parameters
     ----------
     equilibrium : NewtonOutcome or None
         Of the branch that was taken; None if it stayed.
-    branches : tuple of Branch
+    branches : tuple of BranchEquilibrium
         The one that was left, and what was found to either side.
     taken : str
         Name of the branch that was taken.
     effort : Effort
-        What it took.
+        The work of the search.
     """
 
     equilibrium: NewtonOutcome | None
-    branches: tuple[Branch, ...]
+    branches: tuple[BranchEquilibrium, ...]
     taken: str
     effort: Effort
 
@@ -100,43 +101,43 @@ class Departure:
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    branch: Branch
+class _Candidate:
+    branch: BranchEquilibrium
     outcome: NewtonOutcome
 
 
 @dataclass(frozen=True, eq=False)
 class _Descent:
-    """Where a mode led down to, with its unstable modes; None where there is no equilibrium."""
+    """The equilibrium below a mode, with its unstable modes; None if there is none."""
 
     outcome: NewtonOutcome | None
     unstable_modes: int
     effort: Effort
 
 
-def _sort_by_energy(found: Sequence[_Found], same_energy: float) -> list[_Found]:
+def _sort_by_energy(found: Sequence[_Candidate], same_energy: float) -> list[_Candidate]:
     """Sort from the lowest up; those that are as low as each other keep their order."""
     least = min(item.branch.energy for item in found)
     as_low = least + same_energy * abs(least)
     return sorted(found, key=lambda item: max(item.branch.energy, as_low))
 
 
-def _take_lowest(ascending: Sequence[_Found]) -> _Found | None:
+def _take_lowest(ascending: Sequence[_Candidate]) -> _Candidate | None:
     return ascending[0]
 
 
-def _take_other(ascending: Sequence[_Found]) -> _Found | None:
+def _take_other(ascending: Sequence[_Candidate]) -> _Candidate | None:
     return ascending[-1]
 
 
-def _take_none(ascending: Sequence[_Found]) -> _Found | None:
+def _take_none(ascending: Sequence[_Candidate]) -> _Candidate | None:
     return None
 
 
-_CHOICES: Mapping[str, Callable[[Sequence[_Found]], _Found | None]] = dict(
-    zip(BRANCHES, (_take_lowest, _take_other, _take_none), strict=True)
+_CHOICES: Mapping[str, Callable[[Sequence[_Candidate]], _Candidate | None]] = dict(
+    zip(BRANCH_CHOICES, (_take_lowest, _take_other, _take_none), strict=True)
 )
-"""Which branch is taken from an unstable milestone."""
+"""The rules that choose a branch, by the values of the setting."""
 
 
 class BranchSearch:
@@ -153,7 +154,7 @@ class BranchSearch:
     side : array of float
         A change of the state; the side "plus" of a mode is the one that has part in it.
     rule : SearchRule, optional
-        How long it goes on and what it takes.
+        Its limits, and the branch that it takes.
     """
 
     def __init__(
@@ -172,7 +173,7 @@ class BranchSearch:
 
     def leave_unstable(
         self, state: State, factors: Factors, tolerance: float, reference: float
-    ) -> Departure:
+    ) -> BranchSearchOutcome:
         """Leave an unstable equilibrium, if a branch is found that is to be taken.
 
         Parameters
@@ -188,24 +189,24 @@ class BranchSearch:
         """
         modes = self._count_modes(factors)
         mode = self._find_most_unstable(factors, modes)
-        branches = [Branch(LEFT, self._solid.potential_energy(state), modes)]
+        branches = [BranchEquilibrium(DEPARTED, self._solid.potential_energy(state), modes)]
         found, effort = [], Effort()
-        for name, sign in SIDES.items():
+        for name, sign in MODE_SIDES.items():
             descent = self._descend(state, mode, sign, tolerance, reference)
             effort += descent.effort
-            branch = Branch(name, np.nan, -1)
+            branch = BranchEquilibrium(name, np.nan, -1)
             if descent.outcome is not None:
                 energy = self._solid.potential_energy(descent.outcome.state)
-                branch = Branch(name, energy, descent.unstable_modes)
-                found.append(_Found(branch, descent.outcome))
+                branch = BranchEquilibrium(name, energy, descent.unstable_modes)
+                found.append(_Candidate(branch, descent.outcome))
             branches.append(branch)
         taken = self._choose(found)
         if taken is None:
-            return Departure(None, tuple(branches), LEFT, effort)
+            return BranchSearchOutcome(None, tuple(branches), DEPARTED, effort)
         effort += Effort(escapes=1)
-        return Departure(taken.outcome, tuple(branches), taken.branch.name, effort)
+        return BranchSearchOutcome(taken.outcome, tuple(branches), taken.branch.name, effort)
 
-    def _choose(self, found: Sequence[_Found]) -> _Found | None:
+    def _choose(self, found: Sequence[_Candidate]) -> _Candidate | None:
         if not found:
             return None
         return _CHOICES[self._rule.choice](_sort_by_energy(found, self._rule.same_energy))
@@ -236,7 +237,7 @@ class BranchSearch:
             state, effort = walked.state, effort + Effort(walked.iterations)
             if not walked.arrived:
                 break
-            landed = self._land(state, tolerance)
+            landed = self._solve_at_end_of_walk(state, tolerance)
             effort += Effort(landed.iterations)
             if not landed.converged:
                 break
@@ -246,14 +247,14 @@ class BranchSearch:
                 if modes <= 0:
                     return _Descent(landed, modes, effort)
                 mode = self._find_most_unstable(factors, modes)
-        flowed = self.flow.relax(state, tolerance, reference)
+        flowed = self.flow.flow_to_equilibrium(state, tolerance, reference)
         effort += flowed.effort
         if flowed.equilibrium is None:
             return _Descent(None, -1, effort)
         with self._newton.factorise(flowed.state) as factors:
             return _Descent(flowed.equilibrium, self._count_modes(factors), effort)
 
-    def _land(self, state: State, tolerance: float) -> NewtonOutcome:
+    def _solve_at_end_of_walk(self, state: State, tolerance: float) -> NewtonOutcome:
         """Solve at the end of a walk."""
         iterations = 0
         for _ in range(self._rule.attempts):

@@ -1,4 +1,4 @@
-"""The way down where no equilibrium is near: a viscous flow to a stable one at fixed load.
+"""Gradient flow: a viscous flow at fixed load to a stable equilibrium, if none is near.
 
 The displacement obeys c M du/dt = -dE/du, the pressures stay in balance (a viscous regularisation;
 backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 0 with k = c / dt.
@@ -19,7 +19,7 @@ from fenics_model.solve.newton import Newton, NewtonOutcome
 
 @dataclass(frozen=True)
 class FlowRule:
-    """How the time step of a flow changes, and when the flow ends.
+    """Control of the time step of a flow, and when the flow ends.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class FlowRule:
 
 @dataclass(frozen=True, eq=False)
 class FlowOutcome:
-    """Where a flow ended.
+    """The end of a flow.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class GradientFlow:
         self._newton, self._first = newton, first_viscosity
         self._rule = FlowRule() if rule is None else rule
 
-    def relax(self, start: State, tolerance: float, reference: float) -> FlowOutcome:
+    def flow_to_equilibrium(self, start: State, tolerance: float, reference: float) -> FlowOutcome:
         """Flow until the solution without viscosity is found, and stable.
 
         Parameters

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class WalkRule:
-    """How a walk chooses its places, and when it ends.
+    """Distances of a walk, and when it ends.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class WalkRule:
 
 @dataclass(frozen=True, eq=False)
 class WalkOutcome:
-    """Where a walk ended.
+    """The end of a walk.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class WalkOutcome:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Where the energy is minimal at a distance; the state and its change with the distance."""
+    """The minimum of the energy at a distance: the state, and its derivative by the distance."""
 
     distance: float
     state: State
@@ -133,7 +133,7 @@ class ValleyWalk:
         return None
 
     def _improve(self, state: State, distance: float) -> _Place | None:
-        """Return what one iteration makes of a guess; None if its tangent has no factors."""
+        """Return a guess after one iteration; None if its tangent has no factors."""
         self._iterations += 1
         with self._newton.factorise(state) as factors:
             if factors.failure:

@@ -48,7 +48,7 @@ class VolumeMesh:
     layer : (c,) array of int
         Layer of each tetrahedron, 0 for the lowest.
     vertex_at : (levels, n) array of int
-        Vertex over each planar node at each level, from the bottom up; -1 where there is none.
+        Vertex over each planar node at each level, from the bottom up; -1 if there is none.
     heights : (levels,) array of float
         Of the levels, m.
     layer_between : (levels - 1,) array of int

@@ -1,1 +1,1 @@
-"""The load path: continuation, step control, and the shapes that lead."""
+"""The load path: continuation, step control, initial guesses from another result."""

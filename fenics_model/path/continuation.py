@@ -12,7 +12,7 @@ import numpy as np
 
 from bilayer.errors import ComputationError
 from bilayer.results.schema import UNKNOWN_STABILITY
-from fenics_model.branches.branch_search import BranchSearch, Departure
+from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.path.guide import Guide
 from fenics_model.path.predictor import Predictor
@@ -37,10 +37,10 @@ class LoadPoint:
     effort : Effort
         The work since the equilibrium before, failed attempts included.
     residual : float
-        Relative to the reference; NaN where the path stopped.
+        Relative to the reference; NaN if the path stopped.
     unstable_modes : int
         Of a goal; -1 if it is not known.
-    departure : Departure or None
+    departure : BranchSearchOutcome or None
         Of a goal where the path came to an unstable equilibrium: the search for others.
     """
 
@@ -50,7 +50,7 @@ class LoadPoint:
     effort: Effort
     residual: float
     unstable_modes: int = UNKNOWN_STABILITY
-    departure: Departure | None = None
+    departure: BranchSearchOutcome | None = None
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class Continuation:
             if stable is None:
                 return None
             found = stable
-        self._learn(found)
+        self._record_equilibrium(found)
         return found
 
     def _next_step(self, goal: float) -> float:
@@ -206,7 +206,7 @@ class Continuation:
         self.control = self.control.after_failure(abs(there - self.parameter))
         if self.control.failures % self._failures_before_flow and not self.control.is_exhausted:
             return outcome
-        flowed = self._search.flow.relax(self.predictor.last, accepted, reference)
+        flowed = self._search.flow.flow_to_equilibrium(self.predictor.last, accepted, reference)
         self._effort += flowed.effort
         if flowed.equilibrium is None:
             return outcome
@@ -225,7 +225,7 @@ class Continuation:
             if modes <= 0:
                 return replace(found, unstable_modes=modes)
             if is_guided and self._guide is not None:
-                self._guide.distrust(found.parameter, "unstable")
+                self._guide.reject_shape(found.parameter, "unstable")
                 return None
             departure = self._search.leave_unstable(found.state, factors, accepted, reference)
         self._effort += departure.effort
@@ -241,10 +241,10 @@ class Continuation:
         self.control = self._first
         self.predictor = Predictor([(parameter, state)])
 
-    def _learn(self, found: LoadPoint) -> None:
-        self.predictor.learn(found.parameter, found.state)
+    def _record_equilibrium(self, found: LoadPoint) -> None:
+        self.predictor.record_equilibrium(found.parameter, found.state)
         if self._guide is not None:
-            self._guide.learn(found.parameter, found.state)
+            self._guide.record_defect(found.parameter, found.state)
 
     def _take_effort(self, load_steps: int) -> Effort:
         """Return the work since the last call."""

@@ -1,8 +1,9 @@
 """Load steps that another result's shapes predict, straight from one shape to the next.
 
-The guide's shape at the next parameter, made a state of the solid, is off by about what it was off
-by before: that defect is extrapolated and added. Newton's method does the rest. A step that ends
-elsewhere than where it was predicted has found another branch, and does not count.
+A shape of the guide, made a state of the solid, differs from the solid's equilibrium by a defect.
+The defect at the next parameter is extrapolated from the last two and added to the guide's state.
+This is the initial guess of Newton's method. If the solution is far from the guess, it is on
+another branch, and the step is rejected.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,24 +22,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class GuideRule:
-    """How far a guide is trusted.
+    """Limits within which the shapes of a guide are used.
 
     Parameters
     ----------
     far_from_balance : float
-        Residual of a guess, over the reference, above which it is settled with its surface held. A
-        nearer one is settled, too, if Newton's method fails from it.
-    settled : float
-        To what part of the reference it is settled.
-    elsewhere : float
-        How far from its prediction a solution may be, over how far the prediction led.
+        Residual of a guess, over the reference, above which it is relaxed with its surface held. A
+        nearer one is relaxed, too, if Newton's method fails from it.
+    relaxed_residual : float
+        Residual, over the reference, down to which it is relaxed.
+    far_from_guess : float
+        Largest distance of a solution from its prediction, over the length of the predicted step.
     longest_way : float
         Change of the prestretch up to which a shape is in reach.
     """
 
     far_from_balance: float = 0.5
-    settled: float = 0.1
-    elsewhere: float = 0.5
+    relaxed_residual: float = 0.1
+    far_from_guess: float = 0.5
     longest_way: float = LONGEST_WAY
 
 
@@ -51,34 +52,34 @@ class Guide:
         Solves for the equilibria.
     extrude : callable
         Makes a state of a shape of the reference surface, with the natural states of the moment.
-    settle : callable
+    relax_guess : callable
         Relaxes a state to a norm of the residual, that surface held; returns the outcome.
     rule : GuideRule, optional
-        How far it is trusted.
+        Limits within which it is used.
 
     Attributes
     ----------
-    left : list of (float, str)
-        Path parameters of shapes that were not followed, and why.
+    rejected : list of (float, str)
+        Path parameters of the shapes that were rejected, each with the reason.
     """
 
     def __init__(
         self,
         newton: Newton,
         extrude: Callable[[Array], State],
-        settle: Callable[[State, float], NewtonOutcome],
+        relax_guess: Callable[[State, float], NewtonOutcome],
         rule: GuideRule | None = None,
     ) -> None:
-        self._newton, self._extrude, self._settle = newton, extrude, settle
+        self._newton, self._extrude, self._relax_guess = newton, extrude, relax_guess
         self._rule = GuideRule() if rule is None else rule
         self._shapes: dict[float, Array] = {}
         self._states: dict[float, State] = {}
         self.defects: list[tuple[float, Array]] = []
         self.is_trusted = True
-        self.left: list[tuple[float, str]] = []
+        self.rejected: list[tuple[float, str]] = []
 
-    def lead_along(self, shapes: Mapping[float, Array]) -> None:
-        """Lead along shapes from now on, those of before forgotten.
+    def use_shapes(self, shapes: Mapping[float, Array]) -> None:
+        """Use these shapes from now on, and forget those before.
 
         Parameters
         ----------
@@ -91,13 +92,13 @@ class Guide:
         self,
         defects: Sequence[tuple[float, Array]],
         is_trusted: bool,
-        left: Sequence[tuple[float, str]],
+        rejected: Sequence[tuple[float, str]],
     ) -> None:
-        """Trust as much as at another time, and know the defects of then."""
-        self.defects, self.is_trusted, self.left = list(defects), is_trusted, list(left)
+        """Restore the defects and rejections of another time."""
+        self.defects, self.is_trusted, self.rejected = list(defects), is_trusted, list(rejected)
 
     def propose_step(self, here: float, goal: float) -> float | None:
-        """Return where to step, the farthest shape in reach; None if there is none to trust."""
+        """Return the parameter of the farthest shape in reach; None if no shape is to be used."""
         ahead = sorted(there for there in self._shapes if here < there <= goal)
         if not ahead or not self.is_trusted:
             return None
@@ -108,9 +109,9 @@ class Guide:
     def take_step(
         self, there: float, before: State, accepted: float, reference: float
     ) -> tuple[NewtonOutcome, Effort]:
-        """Step from an equilibrium to where a shape is; the loads of there act already.
+        """Step from an equilibrium to a shape, whose loads already act.
 
-        If that fails, nothing is proposed until `learn`.
+        If the step is rejected, no further one is proposed until `record_defect`.
 
         Parameters
         ----------
@@ -130,28 +131,28 @@ class Guide:
             outcome = self._newton.solve(guess, accepted)
             effort += Effort(outcome.iterations)
         if outcome is None or not outcome.converged:
-            settled = self._settle(guess, self._rule.settled * reference)
-            guess = settled.state
+            relaxed = self._relax_guess(guess, self._rule.relaxed_residual * reference)
+            guess = relaxed.state
             outcome = self._newton.solve(guess, accepted)
-            effort += Effort(settled.iterations + outcome.iterations)
-        if outcome.converged and self._is_elsewhere(before, guess, outcome.state):
+            effort += Effort(relaxed.iterations + outcome.iterations)
+        if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
             outcome = replace(outcome, converged=False, reason="another branch")
         if not outcome.converged:
-            self.distrust(there, outcome.reason)
+            self.reject_shape(there, outcome.reason)
         return outcome, effort
 
-    def _is_elsewhere(self, before: State, predicted: State, found: State) -> bool:
-        """Return whether a solution is too far from a prediction to be what it meant."""
+    def _is_far_from_guess(self, before: State, predicted: State, found: State) -> bool:
+        """Whether a solution is so far from its prediction that it is on another branch."""
         norm = self._newton.solid.displacement_norm
-        return norm(found - predicted) > self._rule.elsewhere * norm(before - predicted)
+        return norm(found - predicted) > self._rule.far_from_guess * norm(before - predicted)
 
-    def distrust(self, there: float, reason: str) -> None:
-        """Propose nothing until the equilibrium at one of the shapes is known; note why."""
+    def reject_shape(self, there: float, reason: str) -> None:
+        """Propose no step until the equilibrium at one of the shapes is known; note the reason."""
         self.is_trusted = False
-        self.left.append((there, reason))
+        self.rejected.append((there, reason))
 
-    def learn(self, parameter: float, state: State) -> None:
-        """Note how far the shape at a parameter, if there is one, is from an equilibrium."""
+    def record_defect(self, parameter: float, state: State) -> None:
+        """Record the defect of the shape at a parameter, if there is one."""
         if parameter in self._shapes:
             defect = state - self._state_at(parameter)
             self.defects = [*self.defects[-1:], (parameter, defect)]

@@ -22,7 +22,7 @@ class Predictor:
     def __init__(self, known: Sequence[tuple[float, State]]) -> None:
         self.known = list(known)
 
-    def learn(self, parameter: float, state: State) -> None:
+    def record_equilibrium(self, parameter: float, state: State) -> None:
         """Learn an equilibrium; of two at one parameter, the second."""
         others = [(t, known) for t, known in self.known if t != parameter]
         self.known = [*others[-MEMORY + 1 :], (parameter, state)]

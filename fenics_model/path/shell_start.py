@@ -1,8 +1,8 @@
-"""A first guess of the solid's state from the shape of another result on the same planar mesh.
+"""An initial guess of the solid's state from the shape of another result on the same planar mesh.
 
 The reference surface is extruded along its normals, each fibre shortened by what the surface has
 stretched (the layers keep their volume), and the pressures are those of a plane stress state.
-What this leaves of shear and of squeezed fibres is relaxed with that surface held (`settle`);
+What this leaves of shear and of squeezed fibres is relaxed with that surface held (`relax_guess`);
 released with it, Newton's method would wander.
 """
 
@@ -24,7 +24,7 @@ from fenics_model.solve.newton import Newton, NewtonOutcome
 from fenics_model.solve.stopwatch import Stopwatch
 
 
-def settle(
+def relax_guess(
     solid: Solid,
     held: Sequence[fem.DirichletBC],
     guess: State,

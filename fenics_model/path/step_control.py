@@ -47,7 +47,7 @@ class StepControl:
         return self.size < self.smallest
 
     def step_toward(self, remaining: float) -> float:
-        """Return the step to take where a milestone lies `remaining` ahead.
+        """Return the step to take if a milestone lies `remaining` ahead.
 
         The rest of the way is divided evenly, so the milestone is hit without a sliver of a step.
         """

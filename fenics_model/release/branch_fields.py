@@ -5,17 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from fenics_model.branches.branch_search import LEFT, SIDES, Departure
+from fenics_model.branches.branch_search import DEPARTED, MODE_SIDES, BranchSearchOutcome
 
-NAMES = (LEFT, *SIDES)
+NAMES = (DEPARTED, *MODE_SIDES)
 
 
-def branch_dataset(departures: Sequence[Departure | None], milestones: int) -> xr.Dataset:
+def branch_dataset(departures: Sequence[BranchSearchOutcome | None], milestones: int) -> xr.Dataset:
     """Build `branch_energy`, `branch_unstable_modes` and `branch_taken` by milestone.
 
     Parameters
     ----------
-    departures : sequence of Departure or None
+    departures : sequence of BranchSearchOutcome or None
         Of the milestones in order; None if it was not reached or the path came to a stable one.
     milestones : int
         Number of milestones.

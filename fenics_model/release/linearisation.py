@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.solvers.parameters import central_difference, parameter_value
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
-from fenics_model.path.release_path import LoadPlace, Stretch
+from fenics_model.path.load_schedule import LoadPlace
 from fenics_model.release.specimen_solid import SpecimenSolid
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State
@@ -60,9 +61,9 @@ class SolidLinearisation:
             self._residual, self._body.specimen, self._place.stretch, parameter
         )
 
-    def _residual(self, specimen: Specimen, stretch: Stretch) -> Array:
+    def _residual(self, specimen: Specimen, stretch: StretchPair) -> Array:
         place = LoadPlace(stretch, self._place.weight, self._place.imperfection)
-        with self._body.made_of(specimen, place):
+        with self._body.use_specimen(specimen, place):
             return self._numbering.gather(self._newton.residual(self._state))
 
     def position_by(self, parameter: str) -> Array:
@@ -77,7 +78,7 @@ class SolidLinearisation:
         return gradient
 
     def position_change(self, state_change: Array) -> Array:
-        """Return how the reference surface moves with the state, (n, 3), m."""
+        """Return the change of the reference surface with the state, (n, 3), m."""
         return np.asarray(state_change[self._surface])
 
     @property

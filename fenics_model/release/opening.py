@@ -10,7 +10,7 @@ from bilayer.errors import BilayerError
 from bilayer.mesh.generation import mesh_within_memory
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
-from bilayer.results.starting import began, described
+from bilayer.results.starting import describe_run, describe_start
 from bilayer.runtime.memory import available_memory
 from bilayer.solvers.contract import Start
 from bilayer.specimen.specimen import Specimen
@@ -62,9 +62,9 @@ def _make_mesh(
 def _make_start(start: Start, mesh: PlanarMesh, comm: MPI.Comm) -> tuple[xr.Dataset | None, str]:
     """Return a start, made if it is not there yet, and a line about it."""
     if start is None or isinstance(start, xr.Dataset):
-        return start, began(start)
+        return start, describe_start(start)
     try:
         made: xr.Dataset = from_first_rank(comm, lambda: start(mesh))
     except BilayerError as error:
         return None, f"flat, because {error}"
-    return made, described(made)
+    return made, describe_run(made)

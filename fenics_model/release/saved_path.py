@@ -1,4 +1,4 @@
-"""Where a path is, as arrays that any number of ranks can go on from."""
+"""The state of a path, as arrays from which any number of ranks can continue."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Saved
+from bilayer.specimen.prestretch import StretchPair
 from fenics_model.path.continuation import Continuation
 from fenics_model.path.guide import Guide
+from fenics_model.path.load_schedule import LoadSchedule
 from fenics_model.path.predictor import Predictor
-from fenics_model.path.release_path import ReleasePath, Stretch
 from fenics_model.solid.numbering import Numbering
 from fenics_model.solid.state import State
 
@@ -34,21 +35,21 @@ class SavedPath:
         Of the guide, by parameter.
     is_trusted : bool
         Whether the guide is.
-    left : sequence of (float, str)
-        Shapes that were not followed, see `Guide.left`.
+    rejected : sequence of (float, str)
+        Shapes that were not followed, see `Guide.rejected`.
     shapes : StartShapes or None
-        Which lead the way.
+        The initial guesses.
     start : str
-        What they are.
+        Their source.
     """
 
-    targets: Sequence[Stretch]
+    targets: Sequence[StretchPair]
     equilibria: Sequence[tuple[float, State]]
     step: float
     failures: int
     defects: Sequence[tuple[float, Array]]
     is_trusted: bool
-    left: Sequence[tuple[float, str]]
+    rejected: Sequence[tuple[float, str]]
     shapes: StartShapes | None
     start: str
 
@@ -57,11 +58,11 @@ class SavedPath:
         cls,
         continuation: Continuation,
         guide: Guide,
-        loads: ReleasePath,
+        loads: LoadSchedule,
         shapes: StartShapes | None,
         start: str,
     ) -> "SavedPath":
-        """Return where a path is."""
+        """Return the state of a path."""
         return cls(
             [(float(x), float(y)) for x, y in loads.targets],
             list(continuation.predictor.known),
@@ -69,7 +70,7 @@ class SavedPath:
             continuation.control.failures,
             list(guide.defects),
             guide.is_trusted,
-            list(guide.left),
+            list(guide.rejected),
             shapes,
             start,
         )
@@ -78,7 +79,7 @@ class SavedPath:
         """Put continuation and guide where they were."""
         continuation.predictor = Predictor(self.equilibria)
         continuation.control = replace(continuation.control, size=self.step, failures=self.failures)
-        guide.restore(self.defects, self.is_trusted, self.left)
+        guide.restore(self.defects, self.is_trusted, self.rejected)
 
     def as_arrays(self, numbering: Numbering) -> dict[str, NDArray[np.generic]]:
         """Return it by name, the same on every rank; what is empty is left out."""
@@ -91,8 +92,8 @@ class SavedPath:
             "defect_parameter": np.array([t for t, _ in self.defects]),
             "defect": _stack([numbering.gather(change) for _, change in self.defects]),
             "guide_is_trusted": np.array([int(self.is_trusted)]),
-            "left_parameter": np.array([t for t, _ in self.left]),
-            "left_reason": np.array([reason for _, reason in self.left], dtype=str),
+            "left_parameter": np.array([t for t, _ in self.rejected]),
+            "left_reason": np.array([reason for _, reason in self.rejected], dtype=str),
             "start": np.array([self.start]),
         }
         if self.shapes is not None:
@@ -105,7 +106,7 @@ class SavedPath:
 
     @classmethod
     def from_arrays(cls, saved: Saved, numbering: Numbering) -> "SavedPath":
-        """Return what `as_arrays` made arrays of, on any number of ranks."""
+        """Return the state from the arrays of `as_arrays`, on any number of ranks."""
 
         def pairs(name: str) -> list[tuple[float, Array]]:
             parameters = saved.get(f"{name}_parameter", np.array([]))

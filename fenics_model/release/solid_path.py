@@ -13,28 +13,29 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from bilayer.geometry.alignment import placed
+from bilayer.geometry.alignment import move_onto_held_points
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Linearised, Recorded, Saved
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
-from bilayer.specimen.support import support
-from fenics_model.branches.branch_search import BranchSearch, Departure, SearchRule
+from bilayer.specimen.support import choose_held_nodes
+from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome, SearchRule
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
-from fenics_model.path.release_path import WEIGHT_WAY, ReleasePath, Stretch
-from fenics_model.path.shell_start import Extrusion, settle
+from fenics_model.path.load_schedule import WEIGHT_WAY, LoadSchedule
+from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.branch_fields import branch_dataset
 from fenics_model.release.effort_fields import effort_dataset
 from fenics_model.release.linearisation import SolidLinearisation
 from fenics_model.release.saved_path import SavedPath
 from fenics_model.release.specimen_solid import (
+    asymmetric_lift,
     held_points,
     make_solid,
-    uneven_lift,
 )
 from fenics_model.release.volume_fields import volume_dataset
 from fenics_model.settings import SolidSettings
@@ -54,18 +55,18 @@ FIRST_DISTANCE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class MilestoneDetails:
-    """What the solver's own variables tell of a milestone.
+    """The data of a milestone for the solver's own variables.
 
     Parameters
     ----------
     vertices : (v, 3) array of float
         Deformed vertices of the volume mesh, m.
-    departure : Departure or None
+    departure : BranchSearchOutcome or None
         How an unstable equilibrium was left, without its state.
     """
 
     vertices: Array
-    departure: Departure | None
+    departure: BranchSearchOutcome | None
 
 
 class SolidEquilibrium:
@@ -94,13 +95,13 @@ class SolidEquilibrium:
         return self._point.effort
 
     @property
-    def stretch(self) -> Stretch:
+    def stretch(self) -> StretchPair:
         """(lambda_x, lambda_y)."""
         return self.place.stretch
 
     @property
     def residual(self) -> float:
-        """Norm of the residual over that of the undeformed mesh; NaN where the path stopped."""
+        """Norm of the residual over that of the undeformed mesh; NaN if the path stopped."""
         return self._point.residual
 
     @property
@@ -131,7 +132,7 @@ class SolidEquilibrium:
         return measure(self._body.specimen, self._body.mesh, self.stretch, self.position)
 
     def details(self) -> MilestoneDetails:
-        """Return what `SolidPath.variables` needs of it."""
+        """Return the data for `SolidPath.variables`."""
         departure = self._point.departure
         if departure is not None:
             departure = replace(departure, equilibrium=None)
@@ -160,9 +161,9 @@ class SolidPath:
     comm : MPI.Comm
         The ranks.
     shapes : StartShapes or None
-        Of another result, which lead the way.
+        Of another result, the initial guesses.
     start : str
-        What they are, in a line.
+        Their source, in one line.
     """
 
     def __init__(
@@ -175,10 +176,10 @@ class SolidPath:
         start: str,
     ) -> None:
         self.body = make_solid(specimen, mesh, settings, comm)
-        self.loads = ReleasePath(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
+        self.loads = LoadSchedule(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
-        self._nodes = support(mesh.points, specimen.gravity, mesh.centroid)
+        self._nodes = choose_held_nodes(mesh.points, specimen.gravity, mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
             self._guide = self._make_guide()
@@ -199,7 +200,7 @@ class SolidPath:
     def _make_guide(self) -> Guide:
         solid = self.body.solid
         relax = partial(
-            settle,
+            relax_guess,
             solid,
             solid.absent_pressures(),
             options=self.body.settings.petsc_options,
@@ -237,7 +238,7 @@ class SolidPath:
             self._newton,
             flow,
             first_distance=FIRST_DISTANCE * carrier.thickness,
-            side=uneven_lift(self.body),
+            side=asymmetric_lift(self.body),
             rule=SearchRule(choice=settings.branch),
         )
 
@@ -250,10 +251,10 @@ class SolidPath:
 
     @property
     def start(self) -> str:
-        """What led the way, and the shapes that load steps had to go on without."""
+        """The source of the initial guesses, and the shapes that were rejected."""
         left = [
             f"not followed to {max(self.loads.stretch(parameter)):.6g} ({reason}): load steps"
-            for parameter, reason in self._guide.left
+            for parameter, reason in self._guide.rejected
         ]
         return "; ".join([self._start, *left])
 
@@ -266,7 +267,7 @@ class SolidPath:
             "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
         }
 
-    def approach(self, target: Stretch) -> Iterator[SolidEquilibrium]:
+    def approach(self, target: StretchPair) -> Iterator[SolidEquilibrium]:
         """Go to a prestretch; see `bilayer.solvers.contract.Path`."""
         here = self._continuation.parameter
         if here < self.loads.end:
@@ -276,11 +277,13 @@ class SolidPath:
         if self.loads.turns_back:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
             shapes = {}
-        self._guide.lead_along(shapes)
+        self._guide.use_shapes(shapes)
         for point in self._continuation.approach(goal):
             yield SolidEquilibrium(self, point)
 
-    def _shapes_between(self, begin: Stretch, target: Stretch, goal: float) -> dict[float, Array]:
+    def _shapes_between(
+        self, begin: StretchPair, target: StretchPair, goal: float
+    ) -> dict[float, Array]:
         """Return the start's shapes on the way to a target, by path parameter, held as it is."""
         if self._shapes is None:
             return {}
@@ -288,7 +291,9 @@ class SolidPath:
         if not found and len(self.loads.milestones) == 1:
             found = [self._shapes.take_nearest(target)]
         return {
-            goal - shape.remaining: placed(shape.shape, self.mesh.points, self._nodes)
+            goal - shape.remaining: move_onto_held_points(
+                shape.shape, self.mesh.points, self._nodes
+            )
             for shape in found
         }
 
@@ -307,7 +312,7 @@ class SolidPath:
         return Numbering(self.body.solid)
 
     def save(self) -> Saved:
-        """Return where the path is, the same on every rank."""
+        """Return the state of the path, the same on every rank."""
         return SavedPath.of(
             self._continuation, self._guide, self.loads, self._shapes, self._start
         ).as_arrays(self.numbering)

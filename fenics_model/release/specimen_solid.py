@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.layer import Layer, Tensor
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
-from fenics_model.path.release_path import LoadPlace, Stretch
+from fenics_model.path.load_schedule import LoadPlace
 from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
@@ -61,7 +62,7 @@ class SpecimenSolid:
         self.weight.value = self.specimen.gravity * place.weight
         self.saddle.value = self.settings.imperfection * place.imperfection
 
-    def prestretch(self, specimen: Specimen, stretch: Stretch) -> None:
+    def prestretch(self, specimen: Specimen, stretch: StretchPair) -> None:
         """Set the natural states alone, those of a specimen."""
         rule = specimen.prestretch.thickness
         for name, layer in zip(self.layer_names, self.solid.layers, strict=True):
@@ -69,7 +70,7 @@ class SpecimenSolid:
             layer.natural.value = natural_state(bonded.stretch, rule)
 
     @contextmanager
-    def made_of(self, specimen: Specimen, place: LoadPlace) -> Iterator[None]:
+    def use_specimen(self, specimen: Specimen, place: LoadPlace) -> Iterator[None]:
         """Be another specimen of the same mesh meanwhile, then what it was before."""
         constants = list(self._constants())
         before = [constant.value.copy() for constant in constants]
@@ -97,10 +98,10 @@ class SpecimenSolid:
             set_law(layer.energy, own)
 
     def _drawn(self, specimen: Specimen) -> VolumeMesh:
-        return extruded(specimen, self.mesh, self.settings)
+        return extrude_layers(specimen, self.mesh, self.settings)
 
 
-def uneven_lift(body: SpecimenSolid) -> NDArray[np.float64]:
+def asymmetric_lift(body: SpecimenSolid) -> NDArray[np.float64]:
     """Return a lift of the body that has part in every low mode: the sum of cos(n (t - n)).
 
     Each (r/R)^n cos(n (t - n)), n = 2 ... 6, is a harmonic polynomial of the place, so it is smooth
@@ -147,7 +148,7 @@ def make_solid(
     natural thickness by one rule and the bonded one by the other.
     """
     layers = layers_on(specimen, mesh)
-    layered = LayeredMesh(extruded(specimen, mesh, settings), comm)
+    layered = LayeredMesh(extrude_layers(specimen, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
     densities = tuple(_constant(layered, layer.density) for layer in layers)
     parts = []
@@ -169,7 +170,7 @@ def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
     return [layer for layer in specimen.layers if len(mesh.faces_of(layer.name))]
 
 
-def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
+def extrude_layers(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> VolumeMesh:
     """Extrude the planar mesh, each layer where it lies, the reference surface at z = 0."""
     layers = layers_on(specimen, mesh)
     slabs = [
@@ -184,7 +185,7 @@ def extruded(specimen: Specimen, mesh: PlanarMesh, settings: SolidSettings) -> V
 
 
 def _layers_below(specimen: Specimen, layers: Sequence[Layer]) -> float:
-    """Return how many of some layers, and what part of one, lie below the reference surface."""
+    """Return the number of layers, and the part of one, below the reference surface."""
     surface, names = specimen.reference_surface, specimen.layer_names
     number = names.index(surface.layer)
     below = sum(names.index(layer.name) < number for layer in layers)

@@ -21,7 +21,7 @@ from fenics_model.solid.unknown import freeze
 
 
 class StrainEnergy(Protocol):
-    """What the solid asks of a material."""
+    """The strain energy of a material, as the solid uses it."""
 
     def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
         """Energy per volume of the mesh, J/m3, as a UFL expression.
@@ -41,7 +41,7 @@ class StrainEnergy(Protocol):
 
     @property
     def symbols(self) -> Mapping[str, Any]:
-        """What stands for the constants of the law, by the names of `energy_constants`."""
+        """Symbols for the constants of the law, by the names of `energy_constants`."""
         ...
 
 
@@ -174,7 +174,7 @@ def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> 
 
 @singledispatch
 def energy_constants(law: Law) -> tuple[Callable[..., StrainEnergy], dict[str, Any]]:
-    """Return what makes the energy of a law of its constants, and their values.
+    """Return a function from the constants of a law to its energy, and their values.
 
     The values are numbers or tuples of them; UFL constants may be given in their place.
     """

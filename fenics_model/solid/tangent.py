@@ -1,8 +1,8 @@
-"""The tangent with extrapolated stress, which spares Newton's method its detours.
+"""The tangent with extrapolated stress, with which Newton's method takes fewer iterations.
 
-A thin body that turns by much in one iteration is left with strains that the linearised motion did
-not foresee; their stress, in the geometric stiffness of the next iteration, misleads it. The mixed
-integration point method takes that stress from where it was linearised,
+If a thin body turns by a large angle in one iteration, the linearised motion leaves spurious
+strains. Their stress enters the geometric stiffness and misleads the next iteration. The mixed
+integration point method takes that stress from the point of linearisation,
 
     S* = S(x_last) + dS/dx (x - x_last),
 
@@ -59,11 +59,11 @@ class ExtrapolatedTangent:
         linearised = stress + ufl.derivative(stress, self._state, self._change)
         return at_state(linearised, self._state, self._last)
 
-    def forget(self) -> None:
+    def reset_extrapolation(self) -> None:
         """Make the next tangent the exact one."""
         self._latest = None
 
-    def advance(self) -> None:
+    def move_linearisation_point(self) -> None:
         """Extrapolate the stress from where the last tangent was taken to the present state."""
         now = self._state.x.array.copy()
         last = now if self._latest is None else self._latest

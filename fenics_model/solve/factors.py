@@ -80,7 +80,7 @@ class Factors:
 
     @property
     def failure(self) -> str:
-        """Why the factorisation failed, in words; empty if it did not."""
+        """The reason why the factorisation failed; empty if it did not."""
         return why_factorisation_failed(self._preconditioner)
 
     @property

@@ -1,8 +1,8 @@
-"""How PETSc holds the dofs of a function space: arrays in, arrays out, every vector freed.
+"""The dofs of a function space as PETSc holds them: arrays in, arrays out, every vector freed.
 
 An array has the dofs that this rank owns first, then its ghosts. PETSc frees an object on several
-ranks only if all of them destroy it at the same place, which a garbage collector does not: so each
-object is destroyed where it is made.
+ranks only if all of them destroy it at the same place. A garbage collector does not do that, so
+each object is destroyed where it is made.
 """
 
 from collections.abc import Iterator, Sequence

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class NewtonOutcome:
-    """How a solution ended.
+    """The end of a solution.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ class Newton:
         self._snes.setFunction(self._residual, self._r)
         self._snes.setJacobian(self._tangent, self._matrix)
         self._snes.setTolerances(max_it=iteration_limit)
-        with self._options.in_force():
+        with self._options.apply():
             self._snes.setFromOptions()
         self._ksp = self._snes.getKSP()
         stack.callback(self._ksp.destroy)
@@ -204,8 +204,8 @@ class Newton:
         """Run PETSc's iteration from `_x`; return why it failed, or an empty text."""
         with (
             signals_put_off() as self._signals,
-            self.stopwatch.solving(),
-            self._options.in_force(),
+            self.stopwatch.time_solution(),
+            self._options.apply(),
         ):
             try:
                 self._snes.solve(None, self._x)
@@ -225,7 +225,7 @@ class Newton:
         self._start_anew(state)
         self._tangent(self._snes, self._x, self._matrix, self._matrix)
         self._ksp.setOperators(self._matrix)
-        with self.stopwatch.solving(), self._options.in_force():
+        with self.stopwatch.time_solution(), self._options.apply():
             self._ksp.setUp()
         return self._hand_out_factors()
 
@@ -235,7 +235,7 @@ class Newton:
         PETSc would return a failed factorisation from then on, so it is dropped.
         """
         self._take_factors_back()
-        self.solid.tangent.forget()
+        self.solid.tangent.reset_extrapolation()
         factors = self._ksp.getPC()
         if factors.getFailedReason():
             factors.reset()
@@ -310,7 +310,7 @@ class Newton:
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:
             local.set(0)
-        with self.stopwatch.assembling():
+        with self.stopwatch.time_assembly():
             fem_petsc.assemble_vector(r, self.solid.residual)
         r.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         for condition in self._held:
@@ -320,8 +320,8 @@ class Newton:
     def _tangent(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         self._go_to_vector(x)
         P.zeroEntries()
-        self.solid.tangent.advance()
-        with self.stopwatch.assembling():
+        self.solid.tangent.move_linearisation_point()
+        with self.stopwatch.time_assembly():
             fem_petsc.assemble_matrix(P, self.solid.tangent.form, self._held)
             P.assemble()
         self.stopwatch.count_factorisation()

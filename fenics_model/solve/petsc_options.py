@@ -42,7 +42,7 @@ class UserOptions:
                 raise self._error(f"names that begin with -{prefix}", f"-{name}")
 
     @contextmanager
-    def in_force(self) -> Iterator[None]:
+    def apply(self) -> Iterator[None]:
         """Put defaults and text into the global database meanwhile.
 
         Raises

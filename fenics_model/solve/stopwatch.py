@@ -15,7 +15,7 @@ class Stopwatch:
         self._since, self._work = time.process_time(), Work()
 
     @contextmanager
-    def assembling(self) -> Iterator[None]:
+    def time_assembly(self) -> Iterator[None]:
         """Measure an assembly."""
         begin = time.process_time()
         try:
@@ -25,14 +25,14 @@ class Stopwatch:
             self._work = replace(self._work, assembly=seconds)
 
     @contextmanager
-    def solving(self) -> Iterator[None]:
+    def time_solution(self) -> Iterator[None]:
         """Measure a solution: what of it is not assembly is factorisation."""
         begin, assembly = time.process_time(), self._work.assembly
         try:
             yield
         finally:
-            assembling = self._work.assembly - assembly
-            seconds = self._work.factorisation + time.process_time() - begin - assembling
+            in_assembly = self._work.assembly - assembly
+            seconds = self._work.factorisation + time.process_time() - begin - in_assembly
             self._work = replace(self._work, factorisation=seconds)
 
     def count_factorisation(self) -> None:

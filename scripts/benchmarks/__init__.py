@@ -1,1 +1,1 @@
-"""What the solvers cost: a module per benchmark, and what they share."""
+"""The cost of the solvers: a module for each benchmark, and their common parts."""

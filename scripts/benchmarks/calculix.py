@@ -96,6 +96,6 @@ def read_seconds(path: Path) -> dict[float, float]:
 
 
 def error(result: xr.Dataset, reference: xr.Dataset) -> float:
-    """Largest relative error of the radius of the best sphere; NaN where one is missing."""
+    """Largest relative error of the radius of the best sphere; NaN if one is missing."""
     expected = reference["sphere_radius"].sel(prestretch=result["prestretch"])
     return float(abs(result["sphere_radius"] / expected - 1).max(skipna=False))

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks import linear_solvers, peer
-from benchmarks.shell_release import SECTIONS, Release, cost, in_a_process_of_its_own
+from benchmarks.shell_release import CPU_PARTS, BenchmarkCase, in_a_process_of_its_own, measure_cost
 from dshell import MorleySettings
 from dshell.release.coarse_start import GAIN
 
@@ -66,13 +66,13 @@ def tables(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _by_mesh(sizes: list[int]) -> Iterator[str]:
-    rows = _measured([Release(size) for size in sizes])
+    rows = _measured([BenchmarkCase(size) for size in sizes])
     counts = ["triangles", "dofs", "iterations", "load steps", "unstable modes", "GB"]
     rows["kB per triangle"] = 1e6 * rows["GB"] / rows["triangles"]
     yield "One release from flat to a prestretch of 1.15, in one step\n" + _text(
         rows[[*counts, "kB per triangle", "sphere radius (mm)"]]
     )
-    parts = [*SECTIONS, "rest", "total"]
+    parts = [*CPU_PARTS, "rest", "total"]
     yield "CPU seconds; start-up and meshing are not in the total\n" + _text(
         rows[["triangles", "start-up", "meshing", *parts]], "{:.2f}"
     )
@@ -84,20 +84,20 @@ def _by_mesh(sizes: list[int]) -> Iterator[str]:
     fine = rows["triangles"] > GAIN * COARSE
     if fine.any():
         asked = np.array(sizes)[fine]
-        started = _measured([Release(int(size), coarse_triangles=COARSE) for size in asked])
+        started = _measured([BenchmarkCase(int(size), coarse_triangles=COARSE) for size in asked])
         yield _beside_flat(started, rows)
         yield from _growth(pd.concat([rows[~fine], started]), "by default")
 
 
-def _measured(releases: list[Release]) -> pd.DataFrame:
-    return pd.DataFrame([_reported(in_a_process_of_its_own(cost, one)) for one in releases])
+def _measured(releases: list[BenchmarkCase]) -> pd.DataFrame:
+    return pd.DataFrame([_reported(in_a_process_of_its_own(measure_cost, one)) for one in releases])
 
 
 def _growth(rows: pd.DataFrame, start: str) -> Iterator[str]:
     """Exponents of the cost over the number of triangles."""
     few = rows[rows["triangles"] <= GROWTH_UP_TO]
     if len(few) > 1:
-        sections = ["meshing", *SECTIONS, "rest", "total"]
+        sections = ["meshing", *CPU_PARTS, "rest", "total"]
         exponents = {name: _exponent(few, few[name]) for name in sections}
         title = f"Growth up to {few['triangles'].max()} triangles, {start}: CPU ~ triangles^p"
         yield f"{title}\n" + _text(pd.DataFrame([exponents]), "{:.2f}")
@@ -130,7 +130,7 @@ def _iterations(sizes: list[int]) -> str:
     rows = []
     for strips in STRIPS:
         for size in (size for size in sizes if size <= FINEST_OF_ALL):
-            found = [cost(Release(size, target, strips)) for target in TARGETS]
+            found = [measure_cost(BenchmarkCase(size, target, strips)) for target in TARGETS]
             counts = {f"{one['prestretch']:g}": _count(one) for one in found}
             rows.append({"strips": strips, "triangles": found[0]["triangles"], **counts})
     title = "Iterations from flat in one step, to a relative residual of 1e-8"

@@ -1,4 +1,4 @@
-"""What the finite-element model takes: iterations, CPU seconds by part, kernels, ranks.
+"""The cost of the finite-element model: iterations, CPU seconds by part, kernels, ranks.
 
 The paper's specimen at its eight prestretches on one planar mesh. CPU seconds are of one process
 and one thread; "process" adds up the ranks, imports and the shell. CalculiX beside it:

@@ -20,7 +20,7 @@ from bilayer import PlanarMesh, paper_specimen
 from bilayer.errors import ComputationError, InputError
 from dshell.energies.assembly import Assembly, deform, gradient_of
 from dshell.models.hinge import HingeModel
-from dshell.release.rigid_motion import held_coordinates, held_nodes
+from dshell.release.rigid_motion import choose_far_nodes, held_coordinates
 from dshell.solve.linear_solver import best_linear_solver
 
 RINGS = (16, 32)
@@ -31,7 +31,7 @@ TIME_LIMIT = 600  # s, of the peer on one mesh
 
 
 def check_peer(checkout: Path, interpreter: Path) -> None:
-    """Raise InputError where the checkout or its interpreter is not there."""
+    """Raise InputError if the checkout or its interpreter is not there."""
     if not (checkout / "src" / "dismech").is_dir():
         raise InputError(f"--peer {checkout}: expected a checkout of dismech-python (src/dismech)")
     if not interpreter.exists():
@@ -59,7 +59,9 @@ def _our_cost(mesh: PlanarMesh) -> dict[str, Any]:
     specimen = paper_specimen().with_layer("kirigami", pattern=None)
     begin = time.process_time()
     energies = HingeModel(specimen, mesh).energies(STRETCH)
-    assembly = Assembly(mesh.points.shape[0] * 3, energies, held_coordinates(held_nodes(mesh)))
+    assembly = Assembly(
+        mesh.points.shape[0] * 3, energies, held_coordinates(choose_far_nodes(mesh))
+    )
     set_up = time.process_time() - begin
     state = _bent(mesh).reshape(-1)
     solver = best_linear_solver()

@@ -19,7 +19,7 @@ from dshell.energies import morley_faces
 from dshell.energies.assembly import Assembly
 from dshell.solve import linear_solver, newton
 
-SECTIONS = {
+CPU_PARTS = {
     "set-up": [(Assembly, "__init__"), (morley_faces.MorleyFaces, "__init__")],
     "assembly": [
         (Assembly, "hessian"),
@@ -42,10 +42,10 @@ FEW_TRIANGLES = 100
 
 
 @dataclass(frozen=True)
-class Release:
-    """What is released: the paper's specimen with some cutouts, mesh and prestretch; from where.
+class BenchmarkCase:
+    """A benchmark case: the paper's specimen with some cutouts, mesh, prestretch and start.
 
-    A fine mesh starts from flat where `coarse_triangles` is 0, see `dshell.ReleaseSettings`.
+    A fine mesh starts from flat if `coarse_triangles` is 0, see `dshell.ReleaseSettings`.
     """
 
     triangles: int
@@ -63,7 +63,7 @@ class Release:
         return replace(cut_anew, mesh=MeshSize(size))
 
 
-def cost(release: Release) -> dict[str, Any]:
+def measure_cost(release: BenchmarkCase) -> dict[str, Any]:
     """Return counts, CPU seconds by section, and the process's peak memory in GB."""
     start_up = _start_up()
     specimen = release.specimen()
@@ -71,7 +71,7 @@ def cost(release: Release) -> dict[str, Any]:
     mesh = generate_mesh(specimen)
     meshing = time.process_time() - begin
     begin = time.process_time()
-    with cpu_by_section(SECTIONS) as seconds:
+    with cpu_by_section(CPU_PARTS) as seconds:
         settings = MorleySettings(coarse_triangles=release.coarse_triangles)
         result = solve(specimen, "dshell", settings, mesh=mesh)
     total = time.process_time() - begin
@@ -97,11 +97,11 @@ def cost(release: Release) -> dict[str, Any]:
 def _start_up() -> float:
     """Return the CPU seconds of a small release, the first, which loads libraries such as PETSc."""
     begin = time.process_time()
-    solve(Release(FEW_TRIANGLES, prestretch=1.01).specimen(), "dshell")
+    solve(BenchmarkCase(FEW_TRIANGLES, prestretch=1.01).specimen(), "dshell")
     return time.process_time() - begin
 
 
 def in_a_process_of_its_own(function: Callable[..., Any], *args: Any) -> Any:
-    """Return what a function returns that a new process calls."""
+    """Return the value of a function, called in a new process."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(function, args)

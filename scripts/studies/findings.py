@@ -1,4 +1,4 @@
-"""What the studies say of the paper's conclusions, each with its numbers.
+"""The findings of the studies on the paper's conclusions, each with its numbers.
 
 A point counts if a real specimen can show it: reached, stable, not passing through itself. What
 the others would show is unknown, so a conclusion that hangs on them is not decided.
@@ -14,13 +14,13 @@ import xarray as xr
 from bilayer.results.caveats import is_unstable, touches_itself
 
 PRESTRETCH = 1.15
-"""Where the values of a field are listed: between bending a little and curling up."""
+"""Prestretch at which the values of a field are listed: between slight bending and curling up."""
 PAPER_BEST = 0.1
 """Section VI: "currently the best result I can get is 0.1"."""
 PAPER_SHIFT = 0.08
 """Section VII: the shell's quality "is about 0.08 behind that of the FEA results"."""
 ABOUT = 0.5
-"""How much of a number the paper's "about" may mean, here."""
+"""Relative tolerance with which the paper's "about" is read."""
 STRIPS = "cut.strips"
 SOLID = "solid"
 """The model of the finite elements."""
@@ -30,7 +30,7 @@ HOLDS, FAILS, OPEN = "holds", "does NOT hold", "CANNOT BE DECIDED"
 def points_of(study: xr.Dataset, field: str | None = None) -> pd.DataFrame:
     """Return every computed point of a study, and whether it is sound.
 
-    Columns: solver, model, prestretch, the field, quality, why (empty where it is sound), sound.
+    Columns: solver, model, prestretch, the field, quality, why (empty if it is sound), sound.
     """
     like = study["converged"]
     judged = study[["quality", "converged"]].assign(
@@ -118,7 +118,7 @@ def most_important(points: Mapping[str, pd.DataFrame], solver: str) -> str:
     """Say where the number of strips moves the quality most, the paper's first conclusion.
 
     Each field's range of the quality is known between that of its sound points and that of all
-    its points. Only where these bounds leave no doubt is there a verdict.
+    its points. Only if these bounds leave no doubt is there a verdict.
     """
     by_verdict: dict[str, list[str]] = {HOLDS: [], FAILS: [], OPEN: []}
     for stretch, spans in _spans(points, solver).items():
@@ -152,7 +152,7 @@ def optimum(points: pd.DataFrame, field: str) -> str:
 def shift_verdict(points: pd.DataFrame, model: str) -> str:
     """Say whether a shell is below the finite elements by about what the paper's was.
 
-    Not decided where the points that do not count would turn it, or were not reached.
+    Not decided if the points that do not count would turn it, or were not reached.
     """
     sound, computed = _below(points[points["sound"]], model), _below(points, model)
     count = points["prestretch"].nunique()
@@ -173,9 +173,9 @@ def _about_the_papers(mean: float) -> str:
 
 @dataclass(frozen=True)
 class Span:
-    """How far the quality moves over a field, as far as that is known.
+    """The range of the quality over a field, as far as it is known.
 
-    `least` is over the sound points. `most` is over all, or 1 where one was not reached.
+    `least` is over the sound points. `most` is over all, or 1 if one was not reached.
     """
 
     least: float
@@ -197,7 +197,7 @@ class Span:
 
 
 def model_findings(points: pd.DataFrame) -> list[str]:
-    """List the quality of every model where it is sound."""
+    """List the quality of every model if it is sound."""
     table = _by_model(points[points["sound"]]).round(3).to_string(na_rep="-")
     return [
         "quality of each model over the prestretch, sound points",
@@ -256,7 +256,7 @@ def _strips_verdict(spans: Mapping[str, Span]) -> str:
 
 
 def _below(points: pd.DataFrame, model: str) -> pd.Series:
-    """Return the finite elements' quality less a shell's, where there are both."""
+    """Return the finite elements' quality less a shell's, if there are both."""
     table = _by_model(points).reindex(columns=[SOLID, model])
     return (table[SOLID] - table[model]).dropna()
 

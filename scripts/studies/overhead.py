@@ -1,4 +1,4 @@
-"""What a study costs beside its solver: time per case, and memory over many cases in one process.
+"""The overhead of a study: time per case, and memory over many cases in one process.
 
 scripts/env python3 scripts/studies/overhead.py [--cases 1000]
 scripts/env python3 scripts/studies/overhead.py --solver fenics --cases 40

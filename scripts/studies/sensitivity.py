@@ -1,4 +1,4 @@
-"""How the quality moves with 1 % of each parameter of a specimen: what an experiment's errors do.
+"""Sensitivity: the change of the quality for 1 % of each parameter of a specimen.
 
 Central differences on one mesh topology: the planar mesh of the specimen is scaled along with the
 outer radius and morphed along with the inner radius and the cutout angle, so that no remeshing

@@ -1,4 +1,4 @@
-"""How much sooner two ranks finish a study than one: equal cases of the shell, run in turn.
+"""The speed-up of a study on two ranks: equal cases of the shell, run in turn.
 
 Wall time is that of the command, with its start and its index; CPU time that of all its processes.
 The load average before each run tells whether the machine had two cores to give.

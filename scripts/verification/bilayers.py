@@ -28,7 +28,7 @@ from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES
 from dshell.models.hinge_rest_state import specimen_sections
 from dshell.models.morley import specimen_layers
-from dshell.release.rigid_motion import held_coordinates, held_nodes
+from dshell.release.rigid_motion import choose_far_nodes, held_coordinates
 from verification.meshes import outline_of, rectangle
 from verification.shell_problem import Problem, nodes_of, plate
 
@@ -68,7 +68,7 @@ def small_mismatch_curvature(mesh: PlanarMesh, stretch: float = 1.00003) -> np.n
     """Curvature of each face of a uniform bilayer, xx and yy, over laminate theory's."""
     specimen = ladder_disc()
     faces, flat = bilayer_faces(specimen, mesh, (stretch, stretch))
-    held = held_coordinates(held_nodes(mesh))
+    held = held_coordinates(choose_far_nodes(mesh))
     state = Problem(faces, flat, held, np.zeros(len(flat))).solved(1e-8)
     expected = specimen_sections(specimen, (stretch, stretch))[1].curvature[0]
     return faces.at(state).strains[3:5] / expected
@@ -156,7 +156,7 @@ def _scale(specimen: Specimen) -> float:
 def _uncut(disc: Specimen, mesh: PlanarMesh, mismatch: float) -> Problem:
     stretch = stretch_of(mismatch, disc)
     faces, flat = bilayer_faces(disc, mesh, (stretch, stretch))
-    return Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat)))
+    return Problem(faces, flat, held_coordinates(choose_far_nodes(mesh)), np.zeros(len(flat)))
 
 
 def _released(
@@ -193,7 +193,9 @@ def timoshenko_strip(stretch: float, cells: int = 80) -> float:
     """Curvature of a strip of 80 x 6 mm in its middle third, prestretched along its length, 1/m."""
     mesh = rectangle(np.linspace(-0.04, 0.04, cells + 1), np.linspace(-0.003, 0.003, 7))
     faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, 1.0))
-    state = Problem(faces, flat, held_coordinates(held_nodes(mesh)), np.zeros(len(flat))).solved()
+    state = Problem(
+        faces, flat, held_coordinates(choose_far_nodes(mesh)), np.zeros(len(flat))
+    ).solved()
     middle = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, 0]) < 0.04 / 3
     areas = mesh.areas[middle]
     return float(faces.at(state).strains[3, middle] @ areas / areas.sum())
@@ -206,7 +208,7 @@ def flexure(stretch: float, profile="linear", cells: int = 40) -> tuple[float, f
     """
     mesh = rectangle(np.linspace(-0.02, 0.02, cells + 1), np.linspace(-0.001, 0.001, 3))
     width = 3 * np.arange(len(mesh.points)) + 1
-    centre, far, _ = held_nodes(mesh)
+    centre, far, _ = choose_far_nodes(mesh)
     held = np.concatenate([width, [3 * centre, 3 * centre + 2, 3 * far + 2]])
     faces, flat = bilayer_faces(ladder_disc(), mesh, (stretch, 1.0), profile)
     problem = Problem(faces, flat, held, np.zeros(len(flat)))

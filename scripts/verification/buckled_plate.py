@@ -64,14 +64,14 @@ class BuckledPlate:
         return search_of(self.newton, lambda x: x[0] * (1 - x[0] / LENGTH), **options)
 
     def leave(self, state, search):
-        """What a search finds that leaves an unstable equilibrium."""
+        """The outcome of a search from an unstable equilibrium."""
         with self.newton.factorise(state) as factors:
             return search.leave_unstable(state, factors, self.tolerance, self.reference)
 
-    def relax(self, start, step_limit=100):
-        """Where the flow from a state ends."""
+    def flow_to_equilibrium(self, start, step_limit=100):
+        """The end of the flow from a state."""
         flow = self.search(step_limit=step_limit).flow
-        return flow.relax(start, self.tolerance, self.reference)
+        return flow.flow_to_equilibrium(start, self.tolerance, self.reference)
 
     def unstable_modes(self, state):
         return count_modes(self.newton, state)

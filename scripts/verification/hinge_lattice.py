@@ -1,4 +1,4 @@
-"""What an equilateral lattice of hinges answers to curvature.
+"""The bending energy of an equilateral lattice of hinges.
 
 Every hinge costs k theta^2 / 2. With k = 2/sqrt(3) D a plate has 1/2, 1 + nu, 1 - nu times D k0^2
 for a cylinder, a sphere and a saddle of curvature k0: no nu fits the lattice's last two.

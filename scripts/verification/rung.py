@@ -17,7 +17,7 @@ class Check:
     quantity : str
         What is measured, with its unit.
     measured, reference : float
-        NaN where the computation failed.
+        NaN if the computation failed.
     tolerance : float or None
         Allowed error; None: the number is reported and not judged.
     scale : float or None

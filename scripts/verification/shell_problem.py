@@ -17,7 +17,7 @@ from dshell.energies.assembly import Energy
 from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
-from dshell.release.branches import NextEquilibrium
+from dshell.release.branches import NextEquilibriumRule
 from dshell.release.static import ShellState, StaticPath, StepLimits, equilibrium_solver
 from dshell.solve.linear_solver import best_linear_solver
 from dshell.solve.newton import Body, EquilibriumSolver
@@ -68,7 +68,7 @@ class Problem:
         """The load path: each equilibrium in one step from the one before, stable or not."""
         solver = self._solver()
         limits = StepLimits(tolerance, iterations, longest_step)
-        return StaticPath(self, limits, solver, NextEquilibrium(solver))
+        return StaticPath(self, limits, solver, NextEquilibriumRule(solver))
 
     def solved(
         self,
@@ -90,7 +90,7 @@ class Problem:
 
     def least_stiffness(self, state: Array) -> float:
         """Eigenvalue of the Hessian nearest to 0, N/m."""
-        hessian = self._solver().placed(self.body(FULL), state).hessian()
+        hessian = self._solver().configure(self.body(FULL), state).hessian()
         begin = np.random.default_rng(0).normal(size=hessian.shape[0])
         return float(eigsh(hessian, k=1, sigma=0.0, v0=begin, return_eigenvectors=False)[0])
 

@@ -10,11 +10,11 @@ from bilayer import PlanarMesh, Specimen, solve
 from bilayer.errors import ComputationError
 from bilayer.mesh.generation import generate_mesh
 from bilayer.results.schema import result_mesh
-from bilayer.specimen.support import held_upright
+from bilayer.specimen.support import choose_nodes_inside
 from dshell.models.hinge_rest_state import specimen_sections
 from fenics_model import SolidSettings
 from fenics_model.branches.buckling_modes import least_stiffness
-from fenics_model.path.release_path import ReleasePath
+from fenics_model.path.load_schedule import LoadSchedule
 from fenics_model.release.specimen_solid import held_points, make_solid
 from verification import bilayers
 from verification.bilayers import RADIUS, Cap
@@ -84,8 +84,8 @@ def cap_stiffness(mismatches: Sequence[float], size: float) -> list[float]:
     specimen = disc(mismatches, size)
     mesh = generate_mesh(specimen)
     body = make_solid(specimen, mesh, SolidSettings(imperfection=0.0), MPI.COMM_WORLD)
-    solid, loads = body.solid, ReleasePath(specimen.prestretch.milestones)
-    held = held_points(held_upright(mesh.points), solid.mesh.volume)
+    solid, loads = body.solid, LoadSchedule(specimen.prestretch.milestones)
+    held = held_points(choose_nodes_inside(mesh.points), solid.mesh.volume)
     found = []
     with newton_of(solid, solid.held_points(held)) as newton:
         path = load_path(newton, lambda parameter: body.load(loads.place(parameter)), 0.001)
@@ -104,8 +104,8 @@ def two_fold(mismatch: float, size: float) -> xr.Dataset:
 def rolled_curvature(mismatch: float, size: float) -> float:
     """The larger principal curvature at the centre of the uncut disc at S, over k0.
 
-    The shell's shapes lead the way: load steps would take 300 iterations, as the roll's axis turns
-    nearly freely.
+    The shell's shapes are the initial guesses. Load steps would take 300 iterations, because the
+    roll's axis turns nearly freely.
     """
     specimen = disc([mismatch], size, AXIS)
     mesh = generate_mesh(specimen)

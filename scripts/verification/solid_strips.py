@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from bilayer import MooneyRivlin
-from bilayer.specimen.support import held_upright
+from bilayer.specimen.support import choose_nodes_inside
 from fenics_model.release.specimen_solid import held_points, natural_state
 from fenics_model.solid.state import State
 from fenics_model.solve.newton import Newton
@@ -86,7 +86,7 @@ def timoshenko_strip(stretch: float, cells: int = 40) -> float:
     mesh = rectangle(length, width, cells, 4)
     volume = stacked(mesh, [THICKNESS, THICKNESS])
     solid = solid_of(volume, [SUBSTRATE, KIRIGAMI])
-    held = solid.held_points(held_points(held_upright(mesh.points), volume))
+    held = solid.held_points(held_points(choose_nodes_inside(mesh.points), volume))
     with newton_of(solid, held) as newton:
         released = _release_along_x(newton, stretch, first_step=0.001)
     moved = solid.vertex_positions(released)[volume.reference_surface]

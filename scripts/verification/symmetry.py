@@ -1,4 +1,4 @@
-"""How far a shape is from a symmetry of its flat disc. SI units."""
+"""Distance of a shape from a symmetry of its flat disc. SI units."""
 
 import numpy as np
 from numpy.typing import NDArray

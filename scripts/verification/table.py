@@ -9,10 +9,10 @@ from verification.rung import MISSED, Check, Rung
 Ladder = Sequence[tuple[Rung, Sequence[Check]]]
 HEADINGS = ("quantity", "measured", "reference", "error", "tolerance", "verdict")
 INTRODUCTION = (
-    "Cases with known answers, and what this software makes of them. This page is written by "
-    '`scripts/verify`, which computes every number of the column "measured" anew and fails if one '
-    "misses its tolerance. Errors and tolerances are relative to the reference, or absolute where "
-    "it is 0; a number without a tolerance is reported, not judged."
+    "Cases with known answers. `scripts/verify` writes this page. It computes every number of the "
+    'column "measured" anew, and fails if one misses its tolerance. Errors and tolerances are '
+    "relative to the reference, or absolute if the reference is 0. A number without a tolerance is "
+    "reported, not judged."
 )
 COLUMNS = 100
 """Of a line of text on the page."""
@@ -54,7 +54,7 @@ def page(ladder: Ladder, absent: Mapping[str, str]) -> str:
     lacking = "\n".join(
         _filled(f"- **{name}**: {why}", indent="  ") for name, why in absent.items()
     )
-    return "\n\n".join([*parts, "## Not here yet", lacking]) + "\n"
+    return "\n\n".join([*parts, "## Missing", lacking]) + "\n"
 
 
 def _filled(text: str, indent: str = "") -> str:
@@ -74,7 +74,7 @@ def _cells(check: Check) -> tuple[str, ...]:
 
 
 def _against(check: Check) -> tuple[str, str]:
-    """Return the reference and the error; nothing where a number stands for itself."""
+    """Return the reference and the error; nothing if a number stands for itself."""
     if math.isnan(check.reference):
         return "-", "-"
     error = f"{check.error:.1e}" if check.error < 1e-5 else f"{100 * check.error:.3f} %"

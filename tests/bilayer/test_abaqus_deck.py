@@ -7,7 +7,13 @@ import pytest
 from hexagon import RADIUS, hexagon_mesh, hexagon_specimen
 
 from bilayer import Gent, InputError, LinearElastic, MooneyRivlin, NeoHookean, PlanarMesh
-from bilayer.calculix.deck import DeckSettings, abaqus_deck, deck_points, held_nodes, write_decks
+from bilayer.calculix.deck import (
+    DeckSettings,
+    abaqus_deck,
+    choose_nodes_under_kirigami,
+    deck_points,
+    write_decks,
+)
 from bilayer.specimen.settings import settings_from
 from bilayer.specimen.two_layers import BARE, KIRIGAMI, turned_over, with_stretched
 
@@ -88,10 +94,10 @@ def test_every_constraint_is_on_a_node_that_no_equation_eliminates():
 
 def test_held_nodes_carry_kirigami_where_the_nearest_ones_are_bare():
     mesh = hexagon_mesh()
-    usual = held_nodes(mesh, 0.0)
+    usual = choose_nodes_under_kirigami(mesh, 0.0)
     bare = np.isin(mesh.triangles, usual[1:]).any(axis=1)
     cut = PlanarMesh(mesh.points, mesh.triangles, np.where(bare, BARE, KIRIGAMI))
-    held = held_nodes(cut, 0.0)
+    held = choose_nodes_under_kirigami(cut, 0.0)
     assert held[0] == usual[0]
     assert len({*held}) == 3
     assert np.isin(held, cut.triangles[~bare]).all()

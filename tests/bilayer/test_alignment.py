@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bilayer.geometry.alignment import aligned, placed, rms_distance
+from bilayer.geometry.alignment import align, move_onto_held_points, rms_distance
 
 POINTS = np.random.default_rng(2).normal(size=(50, 3))
 WEIGHTS = np.random.default_rng(3).uniform(0.1, 1, 50)
@@ -13,7 +13,7 @@ TURN = Rotation.from_rotvec([1.0, -2.0, 0.5])
 
 def test_a_rigid_motion_is_undone():
     moved = TURN.apply(POINTS) + np.array([3, 2, 1])
-    assert aligned(moved, POINTS, WEIGHTS) == pytest.approx(POINTS, abs=1e-12)
+    assert align(moved, POINTS, WEIGHTS) == pytest.approx(POINTS, abs=1e-12)
     assert rms_distance(moved, POINTS, WEIGHTS) < 1e-12
 
 
@@ -37,7 +37,7 @@ def test_a_point_without_weight_does_not_count():
 
 def test_no_smaller_distance_at_another_rotation():
     other = POINTS + 0.3 * np.random.default_rng(5).normal(size=POINTS.shape)
-    best = aligned(other, POINTS, WEIGHTS)
+    best = align(other, POINTS, WEIGHTS)
     centre = np.average(POINTS, axis=0, weights=WEIGHTS)
     for vector in 0.05 * np.random.default_rng(6).normal(size=(20, 3)):
         turned = Rotation.from_rotvec(vector).apply(best - centre) + centre
@@ -50,7 +50,7 @@ def test_no_smaller_distance_at_another_rotation():
 def test_a_placed_shape_has_six_coordinates_of_the_flat_state(held):
     flat = np.array([[0.1, 0], [1, 0.2], [-0.3, 1], [0.2, -0.8], [-1, 0]])
     bent = np.column_stack([0.9 * flat, 0.1 * (flat**2).sum(axis=1)])
-    moved = placed(TURN.apply(bent) + np.array([3, 2, 1]), flat, held)
+    moved = move_onto_held_points(TURN.apply(bent) + np.array([3, 2, 1]), flat, held)
     a, b, c = held
     assert moved[a] == pytest.approx([*flat[a], 0], abs=1e-12)
     assert moved[b, 1:] == pytest.approx([flat[b, 1], 0], abs=1e-12)

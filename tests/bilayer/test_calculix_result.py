@@ -8,8 +8,8 @@ import pytest
 from hexagon import hexagon_mesh, hexagon_specimen
 
 from bilayer import InputError, open_result, specimen_to_toml, write_planar_mesh
-from bilayer.calculix.deck import held_nodes
-from bilayer.calculix.files import read_convergence, read_frd
+from bilayer.calculix.deck import choose_nodes_under_kirigami
+from bilayer.calculix.files import read_frd, read_run_record
 from bilayer.calculix.result import import_calculix
 from bilayer.cli.main import main
 from bilayer.geometry.surface import Surface
@@ -55,7 +55,7 @@ def test_the_milestone_is_recognised_by_where_the_nodes_are_drawn(result):
 
 def test_held_nodes_are_where_they_were_bonded(result):
     mesh = hexagon_mesh()
-    a, b, c = held_nodes(mesh, 0.0)
+    a, b, c = choose_nodes_under_kirigami(mesh, 0.0)
     moved = result["position"].values[0] - np.column_stack([mesh.points, 0 * mesh.points[:, 0]])
     assert moved[a] == pytest.approx(0, abs=1e-8)  # 5e-6 of the way of 1.6 mm of the layer's node
     assert moved[b, 1:] == pytest.approx(0, abs=1e-8)
@@ -75,7 +75,7 @@ def test_the_released_hexagon_bends_and_its_bond_shrinks(result):
 
 
 def test_increments_and_iterations_are_counted(result):
-    run = read_convergence(KEPT / "hexagon_1.06.frd")
+    run = read_run_record(KEPT / "hexagon_1.06.frd")
     assert (run.increments, run.iterations, run.reached) == (21, 136, 1.0)
     assert run.failed_increment is None  # though two attempts failed and were repeated
     assert int(result["load_steps"][0]) == 21
@@ -157,7 +157,7 @@ def test_a_file_of_another_kind_is_named(run):
 
 @pytest.fixture
 def words(run):
-    """What follows `bilayer`, to import the kept run."""
+    """The arguments of `bilayer` that import the kept run."""
     specimen, mesh, output = (run.with_name(name) for name in ("s.toml", "mesh.vtu", "ccx.nc"))
     specimen.write_text(specimen_to_toml(hexagon_specimen()))
     write_planar_mesh(hexagon_mesh(), mesh)

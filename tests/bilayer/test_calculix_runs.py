@@ -8,7 +8,7 @@ import pytest
 from hexagon import hexagon_mesh, hexagon_specimen
 
 from bilayer.calculix.deck import DeckSettings, write_decks
-from bilayer.calculix.files import read_convergence
+from bilayer.calculix.files import read_run_record
 from bilayer.calculix.result import import_calculix
 
 KEPT = Path(__file__).parent / "calculix"
@@ -54,6 +54,6 @@ def test_a_deck_that_cannot_be_solved_is_read_as_such(tmp_path):
     )
     (deck,) = write_decks(specimen, mesh, tmp_path / "deck.inp", large)
     run_ccx(deck)
-    assert read_convergence(deck).failed_increment == 1
+    assert read_run_record(deck).failed_increment == 1
     result = import_calculix([deck.with_suffix(".frd")], specimen, mesh)
     assert "gave up in increment 1 at c = 0" in result.attrs["stop_reason"]

@@ -12,9 +12,9 @@ from bilayer import generate_mesh, paper_specimen
 from bilayer.geometry.nearest_point import NearestPoint, distance_to_triangles
 from bilayer.geometry.surface import Surface
 from bilayer.measures.hemisphere import (
-    away_from_unit_hemisphere,
     flat_disc_distance,
     unit_hemisphere_samples,
+    vectors_from_unit_hemisphere,
 )
 
 
@@ -24,7 +24,7 @@ def test_nearest_point_of_the_hemisphere_is_the_nearest_of_many():
     rim = np.linspace(0, 2 * math.pi, 2000)
     many = np.concatenate([many, np.column_stack([np.cos(rim), np.sin(rim), 0 * rim])])
     nearest = [np.linalg.norm(many - query, axis=1).min() for query in queries]
-    away = away_from_unit_hemisphere(queries)
+    away = vectors_from_unit_hemisphere(queries)
     assert np.linalg.norm(away, axis=1) == pytest.approx(nearest, abs=5e-3)
     on_it = queries - away
     assert np.linalg.norm(on_it, axis=1) == pytest.approx(1, abs=1e-12)
@@ -32,7 +32,7 @@ def test_nearest_point_of_the_hemisphere_is_the_nearest_of_many():
 
 
 def test_the_pole_is_as_near_to_the_centre_as_any_other_point():
-    assert away_from_unit_hemisphere(np.zeros((1, 3))).tolist() == [[0, 0, -1]]
+    assert vectors_from_unit_hemisphere(np.zeros((1, 3))).tolist() == [[0, 0, -1]]
 
 
 def test_samples_of_the_hemisphere_stand_for_equal_areas():
@@ -70,6 +70,6 @@ def test_nearest_point_finds_what_exhaustive_search_finds():
     queries = Rotation.from_rotvec([0.3, 0.2, 0.0]).apply(unit_hemisphere_samples(300)) * 0.025
     corners = np.broadcast_to(surface.corners, (len(queries), *surface.corners.shape))
     exhaustive = distance_to_triangles(queries[:, None], corners).min(axis=1)
-    found = np.linalg.norm(NearestPoint(surface).away(queries), axis=1)
+    found = np.linalg.norm(NearestPoint(surface).vectors_to(queries), axis=1)
     assert np.all(found >= exhaustive - 1e-15)
     assert found == pytest.approx(exhaustive, abs=2e-5)

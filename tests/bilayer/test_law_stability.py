@@ -1,4 +1,4 @@
-"""Where the laws lose their stability, against closed forms."""
+"""The stretches at which laws lose their stability, against closed forms."""
 
 import math
 
@@ -8,7 +8,7 @@ from made_results import cap_result, small_specimen
 from scipy.optimize import brentq
 
 from bilayer import ArrudaBoyce, Gent, LinearElastic, MooneyRivlin, NeoHookean, Ogden, Yeoh
-from bilayer.results.report import trust
+from bilayer.results.report import describe_trust
 from bilayer.specimen.materials import loss_of_stability, stability_limits, stability_warning
 from bilayer.specimen.materials.stability import LOADINGS
 
@@ -94,6 +94,6 @@ def test_a_warning_names_layer_stretches_and_limit():
 
 def test_a_report_warns_of_what_is_beyond():
     beyond = small_specimen([1.26, 1.3])
-    found = trust(cap_result(beyond))
+    found = describe_trust(cap_result(beyond))
     assert "The law of the substrate is NOT STABLE at 1.3 by equal loads, from 1.263 on." in found
-    assert "NOT STABLE" not in trust(cap_result(beyond.with_milestones([1.26])))
+    assert "NOT STABLE" not in describe_trust(cap_result(beyond.with_milestones([1.26])))

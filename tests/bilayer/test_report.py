@@ -1,10 +1,10 @@
-"""How far a result can be trusted, in its text."""
+"""The text of a result: how far it can be trusted."""
 
 import pytest
 from made_results import cap_result, small_specimen
 
 from bilayer.results.caveats import THICKEST_SHELL
-from bilayer.results.report import provenance, trust
+from bilayer.results.report import describe_trust, provenance
 from bilayer.specimen.specimen import Specimen
 
 
@@ -20,10 +20,10 @@ def of_thickness(share: float) -> Specimen:
 @pytest.mark.parametrize(("solver", "warned"), [("dshell", True), ("fenics", False)])
 def test_a_shell_of_a_thick_sheet_is_not_trusted(solver, warned):
     result = cap_result(of_thickness(1.2 * THICKEST_SHELL), solver=solver)
-    assert ("TOO THICK FOR A SHELL" in trust(result)) is warned
+    assert ("TOO THICK FOR A SHELL" in describe_trust(result)) is warned
     assert (f"{1.2 * THICKEST_SHELL:.1%} of the radius" in provenance(result)) is warned
 
 
 @pytest.mark.parametrize("specimen", [small_specimen(), of_thickness(THICKEST_SHELL)])
 def test_a_shell_of_a_thin_sheet_is(specimen):
-    assert "THICK" not in trust(cap_result(specimen))
+    assert "THICK" not in describe_trust(cap_result(specimen))

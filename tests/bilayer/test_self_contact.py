@@ -15,7 +15,7 @@ from sheets import trilayer
 from bilayer import MeshSize, PlanarMesh, Response, generate_mesh, paper_specimen
 from bilayer.contact.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
 from bilayer.geometry.surface import Surface
-from bilayer.results.report import contact_words, result_table, trust
+from bilayer.results.report import contact_words, describe_trust, result_table
 
 BELOW, ABOVE = 0.6e-3, 1e-3
 LENGTH = 0.06
@@ -280,14 +280,14 @@ def test_every_result_carries_the_gap_and_says_where_it_touches():
     assert gaps[2] == 0
     assert contact_words(result)[2] == "yes"
     assert "contact" in result_table(result).splitlines()[1]
-    assert "TOUCHES ITSELF" in trust(result)
-    assert "1.09" in trust(result).split("TOUCHES ITSELF")[1]
+    assert "TOUCHES ITSELF" in describe_trust(result)
+    assert "1.09" in describe_trust(result).split("TOUCHES ITSELF")[1]
 
 
 def test_free_missing_and_older_results_say_so():
     stopped = cap_result(reached=1.065)
     assert contact_words(stopped) == ["no", "no", "-"]
-    assert "does not touch itself" in trust(stopped)
+    assert "does not touch itself" in describe_trust(stopped)
     older = stopped.drop_vars("self_contact_gap")
     assert contact_words(older) == ["?", "?", "?"]
-    assert "not looked for" in trust(older)
+    assert "not looked for" in describe_trust(older)

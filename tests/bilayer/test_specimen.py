@@ -1,4 +1,4 @@
-"""What a specimen accepts, refuses and says of itself."""
+"""Values that a specimen accepts and refuses, and its description of itself."""
 
 import math
 from dataclasses import replace

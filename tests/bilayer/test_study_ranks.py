@@ -51,7 +51,7 @@ def test_all_ranks_see_the_error_of_the_first(world, shared_folder):
     folder = StudyFolder(shared_folder / "out")
     if world.Get_rank() == 0:
         folder.make()
-        held = folder.alone()
+        held = folder.lock_for_study()
         held.__enter__()
     world.Barrier()
     with pytest.raises(ComputationError, match="another study is running"):

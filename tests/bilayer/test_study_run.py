@@ -220,7 +220,7 @@ def test_a_study_that_is_killed_goes_on(study):
     wait_for_log(out, "begun", count=2)
     os.kill(running.pid, signal.SIGKILL)
     running.communicate(timeout=60)
-    with StudyFolder(out).alone():  # its worker has ended
+    with StudyFolder(out).lock_for_study():  # its worker has ended
         first, finished = log_lines(out, "begun"), log_lines(out, "done")
     assert main(words) == 0
     plan = read_study(words[1])
@@ -295,7 +295,7 @@ def test_one_folder_is_for_one_study_at_a_time(study, capsys):
     words = write(TWO_ANGLES)
     folder = StudyFolder(out)
     folder.make()
-    with folder.alone():
+    with folder.lock_for_study():
         assert main(words) == 1
     assert "another study is running in it" in capsys.readouterr().err
 

@@ -1,11 +1,11 @@
-"""Where a body is held."""
+"""The choice of the held nodes."""
 
 import numpy as np
 import pytest
 from grids import frame, grid_mesh, rectangle
 
 from bilayer import InputError, generate_mesh, paper_specimen
-from bilayer.specimen.support import clamped_at_centre, held_upright, support
+from bilayer.specimen.support import choose_held_nodes, choose_nodes_at_centre, choose_nodes_inside
 
 
 @pytest.fixture(scope="module")
@@ -19,20 +19,20 @@ def arms_of(mesh, held):
 
 
 def test_a_weighted_body_is_held_by_the_neighbours_of_its_centre(mesh):
-    held = clamped_at_centre(mesh.points)
+    held = choose_nodes_at_centre(mesh.points)
     assert held[0] == mesh.centre_node
     assert any(set(held[:2]) <= set(triangle) for triangle in mesh.triangles.tolist())
     assert np.linalg.norm(arms_of(mesh, held), axis=1).max() < 1.5 * 0.003
 
 
 def test_a_weightless_one_is_held_farther_out(mesh):
-    held = held_upright(mesh.points)
+    held = choose_nodes_inside(mesh.points)
     assert held[0] == mesh.centre_node
     assert np.abs(arms_of(mesh, held) - 0.04 / 3 * np.eye(2)).max() < 0.003
 
 
 def test_the_held_nodes_span_an_angle(mesh):
-    for held in (clamped_at_centre(mesh.points), held_upright(mesh.points)):
+    for held in (choose_nodes_at_centre(mesh.points), choose_nodes_inside(mesh.points)):
         along, across = arms_of(mesh, held)
         lengths = np.linalg.norm(along) * np.linalg.norm(across)
         assert abs(along @ across) < 0.6 * lengths
@@ -53,7 +53,7 @@ SHEETS = {
 def test_any_sheet_is_held_about_its_centre_by_nodes_that_span_an_angle(sheet, gravity, angle):
     c, s = np.cos(angle), np.sin(angle)
     mesh = sheet.with_points(sheet.points @ [[c, s], [-s, c]])
-    held = support(mesh.points, gravity, mesh.centroid)
+    held = choose_held_nodes(mesh.points, gravity, mesh.centroid)
     along, across = arms_of(mesh, held)
     distance = np.linalg.norm(mesh.points - mesh.centroid, axis=1)
     assert distance[held[0]] == pytest.approx(distance.min())
@@ -63,4 +63,4 @@ def test_any_sheet_is_held_about_its_centre_by_nodes_that_span_an_angle(sheet, g
 
 def test_points_on_a_line_are_refused():
     with pytest.raises(InputError, match="points: all lie on a line, expected a sheet"):
-        support(np.array([[0.0, 0.0], [1.0, 2.0], [2.0, 4.0]]), 0.0)
+        choose_held_nodes(np.array([[0.0, 0.0], [1.0, 2.0], [2.0, 4.0]]), 0.0)

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from bilayer.contact.triangle_distance import triangle_distance
 
-FLAT = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
+FLAT_TRIANGLE = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
 
 
 def distance(first, second):
@@ -28,8 +28,10 @@ def distance(first, second):
     ],
 )
 def test_known_distances(other, expected):
-    assert distance(FLAT, other) == pytest.approx(expected, abs=1e-12)
-    assert distance(np.array(other, dtype=float), FLAT) == pytest.approx(expected, abs=1e-12)
+    assert distance(FLAT_TRIANGLE, other) == pytest.approx(expected, abs=1e-12)
+    assert distance(np.array(other, dtype=float), FLAT_TRIANGLE) == pytest.approx(
+        expected, abs=1e-12
+    )
 
 
 def by_optimisation(first, second):

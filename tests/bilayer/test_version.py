@@ -1,4 +1,4 @@
-"""What a result says of what made it: the commit and the versions."""
+"""The provenance in a result: the commit and the versions."""
 
 import shutil
 import subprocess

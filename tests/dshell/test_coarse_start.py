@@ -12,7 +12,7 @@ from bilayer.errors import ComputationError
 from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle
 from dshell import HingeSettings, MorleySettings, solver
 from dshell.release import coarse_start
-from dshell.release.coarse_start import coarse_mesh, prolonged
+from dshell.release.coarse_start import coarse_mesh, prolong_shape
 from dshell.release.specimen_path import ShellPath
 
 COARSE = 120
@@ -65,7 +65,7 @@ def test_a_start_that_leads_nowhere_is_left_for_flat(
 ):
     flat = released(MorleySettings, 0)
     noise = np.random.default_rng(0).normal(scale=0.02, size=(len(fine_mesh.points), 3))
-    monkeypatch.setattr(solver, "prolonged", lambda shape, coarse, fine: noise)
+    monkeypatch.setattr(solver, "prolong_shape", lambda shape, coarse, fine: noise)
     settings = MorleySettings(coarse_triangles=COARSE)
     result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
     assert result.converged.all()
@@ -122,7 +122,7 @@ def test_a_coarse_mesh_without_an_equilibrium_is_told(fine_specimen, fine_mesh, 
 
 def test_a_flat_disc_is_prolonged_exactly(coarse_mesh, fine_mesh):
     stretched = np.array([[1.1, 0.2, 0.3], [-0.1, 0.9, 0.4]])
-    found = prolonged(coarse_mesh.points @ stretched, coarse_mesh, fine_mesh)
+    found = prolong_shape(coarse_mesh.points @ stretched, coarse_mesh, fine_mesh)
     expected = fine_mesh.points @ stretched
     assert found == pytest.approx(expected, abs=1e-8)  # its slopes are found by iteration
 
@@ -130,7 +130,7 @@ def test_a_flat_disc_is_prolonged_exactly(coarse_mesh, fine_mesh):
 def test_a_sphere_stays_one(coarse_mesh, fine_mesh):
     x, y = coarse_mesh.points.T
     sphere = np.column_stack([x, y, np.sqrt(0.06**2 - x**2 - y**2)])
-    radii = np.linalg.norm(prolonged(sphere, coarse_mesh, fine_mesh), axis=1)
+    radii = np.linalg.norm(prolong_shape(sphere, coarse_mesh, fine_mesh), axis=1)
     assert np.ptp(radii) < 0.01 * radii.mean()  # linear interpolation: 0.03
     assert radii.mean() == pytest.approx(0.06, rel=0.05)
 
@@ -161,7 +161,7 @@ def two_meshes(request):
 def test_a_sheet_moved_as_a_whole_is_prolonged_exactly(two_meshes):
     coarse, fine = two_meshes
     stretched = np.array([[1.1, 0.2, 0.3], [-0.1, 0.9, 0.4]])
-    found = prolonged(coarse.points @ stretched, coarse, fine)
+    found = prolong_shape(coarse.points @ stretched, coarse, fine)
     expected = fine.points @ stretched
     assert found - found[0] == pytest.approx(expected - expected[0], abs=1e-6 * np.ptp(fine.points))
 
@@ -176,7 +176,7 @@ def test_the_sides_of_a_slit_do_not_see_each_other():
         x, y = mesh.points.T
         return np.column_stack([x, y, np.where(x > 1, np.sign(y - 1.45) * (x - 1) ** 2 / 8, 0)])
 
-    found, expected = prolonged(bent(coarse), coarse, fine), bent(fine)
+    found, expected = prolong_shape(bent(coarse), coarse, fine), bent(fine)
     assert found - found[0] == pytest.approx(expected - expected[0], abs=0.02)
 
 

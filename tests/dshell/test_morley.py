@@ -84,7 +84,7 @@ def test_blocks_of_faces_are_the_faces(faces, state, size):
         replace(substrate, prestretch=stretched),
         replace(kirigami, prestretch=on_top * np.eye(2)[:, :, None]),
     ]
-    layered = faces.made_of(replace(faces.laminate, layers=layers))
+    layered = faces.with_laminate(replace(faces.laminate, layers=layers))
     starts = range(0, count, size)
     parts = [layered.part(slice(start, start + size)) for start in starts]
     expected = layered.at(state)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from bilayer import Gent, InputError, MeshSize, PlanarMesh, generate_mesh, solve
 from bilayer.geometry.alignment import rms_distance
-from bilayer.solvers.registry import settings_kind
+from bilayer.solvers.registry import settings_class
 from dshell import MorleySettings
 
 
@@ -19,7 +19,7 @@ def released(coarse_specimen, coarse_mesh):
 
 
 def test_it_is_the_default_model():
-    assert settings_kind("dshell") is MorleySettings
+    assert settings_class("dshell") is MorleySettings
 
 
 def test_milestones_are_stable_equilibria_reached_in_one_step_each(released):

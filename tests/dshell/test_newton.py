@@ -29,7 +29,7 @@ def column():
 
 def test_a_compressed_column_has_two_unstable_modes_sideways(column):
     solver, body, straight = column
-    assert solver.placed(body, straight).residual == pytest.approx([0, 0, 0], abs=1e-15)
+    assert solver.configure(body, straight).residual == pytest.approx([0, 0, 0], abs=1e-15)
     assert solver.unstable_modes(body, straight) == 2
     direction = solver.unstable_direction(body, straight)
     assert np.abs(direction).max() == pytest.approx(1)
@@ -39,7 +39,7 @@ def test_a_compressed_column_has_two_unstable_modes_sideways(column):
 def test_once_pushed_it_settles_where_the_springs_are_at_rest(column):
     solver, body, straight = column
     pushed = straight + 0.01 * solver.unstable_direction(body, straight)
-    outcome = solver.settle([body], pushed, NewtonLimits(1e-12, 50, 1.0))
+    outcome = solver.find_minimum([body], pushed, NewtonLimits(1e-12, 50, 1.0))
     assert outcome.converged
     assert np.linalg.norm(outcome.state[3:6] - straight[:3]) == pytest.approx(1, abs=1e-9)
 
@@ -47,14 +47,14 @@ def test_once_pushed_it_settles_where_the_springs_are_at_rest(column):
 def test_too_few_iterations_are_told(column):
     solver, body, straight = column
     pushed = straight + 0.01 * solver.unstable_direction(body, straight)
-    outcome = solver.settle([body], pushed, NewtonLimits(1e-12, 1, 1.0))
+    outcome = solver.find_minimum([body], pushed, NewtonLimits(1e-12, 1, 1.0))
     assert (outcome.converged, outcome.iterations) == (False, 1)
 
 
 def test_plain_steps_balance_the_straight_column_though_it_is_unstable(column):
     solver, body, straight = column
     nearby = straight + 1e-3 * solver.unstable_direction(body, straight)
-    outcome = solver.balance(body, nearby, NewtonLimits(1e-12, 10, 1.0))
+    outcome = solver.find_nearby_equilibrium(body, nearby, NewtonLimits(1e-12, 10, 1.0))
     assert outcome.converged
     assert outcome.state == pytest.approx(straight, abs=1e-9)
     assert solver.unstable_modes(body, outcome.state) == 2
@@ -90,7 +90,7 @@ def test_a_whole_step_that_comes_too_far_is_halved():
     """To x = 2 the energy falls, but the force grows from 1 to 8 N."""
     pulled = Body([SoftThenStiff()], np.array([1.0]))
     solver = EquilibriumSolver(Assembly(1, pulled.energies), SuperLUSolver())
-    outcome = solver.settle([pulled], np.zeros(1), NewtonLimits(1e-9, 1, 100.0))
+    outcome = solver.find_minimum([pulled], np.zeros(1), NewtonLimits(1e-9, 1, 100.0))
     assert outcome.residual < 1
 
 
@@ -100,7 +100,7 @@ def test_a_capped_step_is_not_halved(pull):
     pulled = Body([SoftThenStiff()], np.array([pull]))
     solver = EquilibriumSolver(Assembly(1, pulled.energies), SuperLUSolver())
     limits = NewtonLimits(1e-9, 1, 1.99, corrections=0)
-    capped = solver.settle([pulled], np.zeros(1), limits)
+    capped = solver.find_minimum([pulled], np.zeros(1), limits)
     assert capped.state[0] == pytest.approx(1.99)
 
 

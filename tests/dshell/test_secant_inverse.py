@@ -1,4 +1,4 @@
-"""What a factor learns from steps: the secant equation, and the exact inverse of a quadratic."""
+"""The update of a factor from steps: the secant equation, and the exact inverse of a quadratic."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_without_steps_it_is_the_factor(old, rng):
 def test_it_makes_the_last_step_of_its_change_and_stays_symmetric_and_positive(old, new, rng):
     inverse = SecantInverse(Inverse(old))
     for step in rng.normal(size=(3, SIZE)):
-        inverse.observe(step, new @ step)
+        inverse.add_pair(step, new @ step)
         assert inverse.solve(new @ step) == pytest.approx(step)
     found = matrix_of(inverse)
     assert found == pytest.approx(found.T)
@@ -61,22 +61,22 @@ def test_steps_that_the_new_stiffness_does_not_couple_teach_all_of_it(old, new):
     """The eigenvectors of the new one are such steps."""
     inverse = SecantInverse(Inverse(old))
     for step in np.linalg.eigh(new)[1].T:
-        inverse.observe(step, new @ step)
+        inverse.add_pair(step, new @ step)
     assert matrix_of(inverse) == pytest.approx(np.linalg.inv(new), rel=1e-9)
 
 
 def test_a_force_that_turns_against_a_step_is_no_news(old, rng):
     inverse = SecantInverse(Inverse(old))
     step = rng.normal(size=SIZE)
-    inverse.observe(step, -step)
-    inverse.observe(step, np.zeros(SIZE))
+    inverse.add_pair(step, -step)
+    inverse.add_pair(step, np.zeros(SIZE))
     assert matrix_of(inverse) == pytest.approx(np.linalg.inv(old))
 
 
 def test_the_right_side_is_left_as_it_is(old, new, rng):
     inverse = SecantInverse(Inverse(old))
     step, right = rng.normal(size=(2, SIZE))
-    inverse.observe(step, new @ step)
+    inverse.add_pair(step, new @ step)
     before = right.copy()
     inverse.solve(right)
     assert np.array_equal(right, before)

@@ -6,7 +6,7 @@ import pytest
 import run_benchmark
 from benchmarks.page import with_part
 from benchmarks.sections import cpu_by_section
-from benchmarks.shell_release import Release, cost
+from benchmarks.shell_release import BenchmarkCase, measure_cost
 
 from bilayer import InputError
 
@@ -32,7 +32,7 @@ def test_a_section_has_the_time_of_what_it_calls():
 
 
 def test_a_release_reaches_its_target_in_one_step():
-    found = cost(Release(400, 1.15))
+    found = measure_cost(BenchmarkCase(400, 1.15))
     assert found["converged"]
     assert found["load steps"] == 1
     assert 5 < found["iterations"] <= 14  # 21 if the factor does not learn

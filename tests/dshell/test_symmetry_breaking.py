@@ -1,4 +1,4 @@
-"""Where a round or many-armed specimen loses its symmetry the stable shape is found."""
+"""If a round or many-armed specimen loses its symmetry, the stable shape is found."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What goes wrong is said in words, and leaves nothing behind."""
+"""Failures are reported in words, and leave nothing behind."""
 
 import os
 import signal
@@ -112,10 +112,10 @@ class InterruptingStopwatch(Stopwatch):
         self._sent = [sent]
 
     @contextmanager
-    def assembling(self):
+    def time_assembly(self):
         if self._sent:
             os.kill(os.getpid(), self._sent.pop())
-        with super().assembling():
+        with super().time_assembly():
             yield
 
 

@@ -25,7 +25,7 @@ def plate():
 
 @pytest.mark.mpi
 def test_a_flow_ends_at_a_stable_equilibrium_and_takes_the_energy_that_is_lost(plate):
-    flowed = plate.relax(plate.flat + plate.lift(1e-2))
+    flowed = plate.flow_to_equilibrium(plate.flat + plate.lift(1e-2))
     assert flowed.equilibrium is not None
     found = flowed.equilibrium.state
     assert plate.newton.residual_norm(found) <= plate.tolerance
@@ -38,7 +38,7 @@ def test_a_flow_ends_at_a_stable_equilibrium_and_takes_the_energy_that_is_lost(p
 
 def snap(plate, step_limit):
     """Buckle the plate upward, then push it down until it snaps; return the load steps' points."""
-    buckled = plate.relax(plate.flat + plate.lift(1e-2)).state
+    buckled = plate.flow_to_equilibrium(plate.flat + plate.lift(1e-2)).state
     path = Continuation(
         plate.newton,
         plate.search(step_limit=step_limit),

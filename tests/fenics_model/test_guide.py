@@ -1,4 +1,4 @@
-"""Where the shapes of the accurate shell lead, against load stepping alone."""
+"""Steps guided by the shapes of the accurate shell, against load stepping alone."""
 
 from dataclasses import replace
 from importlib.util import find_spec

@@ -17,10 +17,10 @@ from verification.solid_problem import (
 )
 
 from bilayer import LinearElastic, MooneyRivlin
-from bilayer.geometry.alignment import aligned
+from bilayer.geometry.alignment import align
 from bilayer.specimen.layer import Response
-from bilayer.specimen.support import held_upright
-from fenics_model.path.release_path import ReleasePath
+from bilayer.specimen.support import choose_nodes_inside
+from fenics_model.path.load_schedule import LoadSchedule
 from fenics_model.release.specimen_solid import held_points, natural_state
 
 SIDE, THICKNESS = 4e-2, 1e-3
@@ -36,8 +36,8 @@ def test_free_release(law, stretch, angle, rule):
     mesh = rectangle(SIDE, SIDE, 4, 4)
     volume = stacked(mesh, [THICKNESS])
     solid = solid_of(volume, [law])
-    held = solid.held_points(held_points(held_upright(mesh.points), volume))
-    path, response = ReleasePath([(1.1, 1.05), stretch]), Response("path", angle=angle)
+    held = solid.held_points(held_points(choose_nodes_inside(mesh.points), volume))
+    path, response = LoadSchedule([(1.1, 1.05), stretch]), Response("path", angle=angle)
 
     def load(parameter):
         tensor = response.tensor(path.stretch(parameter))
@@ -48,7 +48,7 @@ def test_free_release(law, stretch, angle, rule):
     in_plane = volume.points[:, :2] @ np.linalg.inv(response.tensor(stretch))
     across = volume.points[:, 2] / natural_state(response.tensor(stretch), rule)[3]
     moved = solid.vertex_positions(released.state)
-    at_rest = aligned(moved, np.column_stack([in_plane, across]), np.ones(len(moved)))
+    at_rest = align(moved, np.column_stack([in_plane, across]), np.ones(len(moved)))
     assert np.abs(at_rest - np.column_stack([in_plane, across])).max() < 1e-8 * SIDE
     prestress = law.young_modulus * (stretch[0] - 1)
     for i, j in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2)]:
@@ -60,7 +60,7 @@ def test_the_held_points_of_a_free_body_carry_nothing():
     mesh = rectangle(SIDE, SIDE / 2, 4, 2)
     volume = stacked(mesh, [THICKNESS, THICKNESS])
     solid = solid_of(volume, [LinearElastic(1e5, 0.4), LinearElastic(3e5, 0.4)])
-    held = solid.held_points(held_points(held_upright(mesh.points), volume))
+    held = solid.held_points(held_points(choose_nodes_inside(mesh.points), volume))
     solid.layers[0].natural.value = (1.002, 0.0, 1.002, 1.0)
     with newton_of(solid, held) as newton:
         outcome = newton.solve(solid.undeformed, 1e-11)

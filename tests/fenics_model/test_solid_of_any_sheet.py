@@ -24,7 +24,7 @@ from bilayer import (
     paper_specimen,
     solve,
 )
-from bilayer.geometry.alignment import aligned
+from bilayer.geometry.alignment import align
 from bilayer.specimen.pattern import turned
 from bilayer.specimen.settings import settings_to_toml
 from fenics_model import SolidSettings
@@ -44,7 +44,7 @@ def released(specimen, mesh=None, settings=None, **options):
 
 def apart(found, expected, length=SIDE):
     """Return the largest distance after alignment, over a length."""
-    at_rest = aligned(found, expected, np.ones(len(expected)))
+    at_rest = align(found, expected, np.ones(len(expected)))
     return np.linalg.norm(at_rest - expected, axis=1).max() / length
 
 

@@ -28,7 +28,7 @@ def open_path(specimen=COARSE, start=None):
 
 
 def at_targets(path, targets, first=0):
-    """What is there at each target, while it is."""
+    """The state at each target, while the path is there."""
     for step in follow_path(path, targets, first=first):
         assert step.failure is None
         if step.is_at_target:

@@ -225,7 +225,7 @@ def test_the_held_points_carry_the_weight(mesh, thickness):
     from dolfinx import fem
     from mpi4py import MPI
 
-    from fenics_model.path.release_path import LoadPlace
+    from fenics_model.path.load_schedule import LoadPlace
     from fenics_model.release.specimen_solid import make_solid
 
     prestretch = replace(COARSE.prestretch, thickness=thickness)

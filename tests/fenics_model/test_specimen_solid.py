@@ -14,7 +14,7 @@ from bilayer import MeshSize, generate_mesh, paper_specimen, solve
 from bilayer.specimen.outline import Polygon, Rectangle
 from bilayer.specimen.pattern import CutPattern, Polygons
 from fenics_model import SolidSettings
-from fenics_model.path.release_path import LoadPlace
+from fenics_model.path.load_schedule import LoadPlace
 from fenics_model.release.specimen_solid import make_solid
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))

@@ -1,4 +1,4 @@
-"""What the studies' scripts say and how they change a mesh."""
+"""The texts of the studies' scripts, and their changes of a mesh."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What scripts/reproduce starts beside the main job."""
+"""The jobs that scripts/reproduce starts beside the main one."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""What a material law is to the rest of the project."""
+"""The members of a material law that the rest of the project uses."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol

@@ -69,7 +69,7 @@ def stability_limits(law: Law) -> StabilityLimits:
 
 
 def loss_of_stability(law: Law, stretch: Stretches) -> str:
-    """Return which criterion a sheet held at two stretches in the plane fails, "" if none."""
+    """Return the criterion that a sheet held at two stretches in the plane fails, "" if none."""
     if not isinstance(law, Hyperelastic):
         return ""
     x, y = np.array(stretch)[:, None]
@@ -130,7 +130,7 @@ def drucker_margin(law: Hyperelastic, x: Array, y: Array) -> Array:
     Returns
     -------
     (n,) array of float
-        Not a number where the law has locked.
+        Not a number if the law has locked.
     """
     return _least_eigenvalues(_by_strains(law, x, y)[1])
 

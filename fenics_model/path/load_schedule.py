@@ -1,4 +1,4 @@
-"""The load path: from the unstretched flat state through the targets of the prestretch.
+"""The loads along a path: from the unstretched flat state through the targets of the prestretch.
 
 Its parameter is the length of the way so far, measured by the change of the prestretch; so it grows
 also on the way down. The true weight comes on before the prestretch, over a way of its own. The
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Stretch = tuple[float, float]
+from bilayer.specimen.prestretch import StretchPair
 
 SHORTEST_FIRST_STRETCH = 1e-3
 WEIGHT_WAY = 0.02
@@ -30,12 +30,12 @@ class LoadPlace:
         Parts of the true weight and of the symmetry-breaking load that act.
     """
 
-    stretch: Stretch
+    stretch: StretchPair
     weight: float
     imperfection: float
 
 
-class ReleasePath:
+class LoadSchedule:
     """Piecewise linear path of (lambda_x, lambda_y) from (1, 1) through targets in any order.
 
     Parameters
@@ -46,13 +46,13 @@ class ReleasePath:
         Length of the way over which the weight comes on, before the prestretch; 0 without weight.
     """
 
-    def __init__(self, targets: Sequence[Stretch] = (), *, weight_way: float = 0.0) -> None:
+    def __init__(self, targets: Sequence[StretchPair] = (), *, weight_way: float = 0.0) -> None:
         self._stretches = np.array([(1.0, 1.0), (1.0, 1.0)])
         self._ends = np.array([0.0, weight_way])
         for target in targets:
             self.add_target(target)
 
-    def add_target(self, target: Stretch) -> float:
+    def add_target(self, target: StretchPair) -> float:
         """Go on to another target; return its parameter."""
         length = float(np.abs(np.subtract(target, self._stretches[-1])).max())
         if len(self._ends) == 2:
@@ -87,7 +87,7 @@ class ReleasePath:
         return float(self._ends[-1])
 
     @property
-    def last(self) -> Stretch:
+    def last(self) -> StretchPair:
         """(lambda_x, lambda_y) at the last target; (1, 1) if there is none."""
         x, y = self._stretches[-1]
         return float(x), float(y)
@@ -108,7 +108,7 @@ class ReleasePath:
             self.imperfection_fraction(parameter),
         )
 
-    def stretch(self, parameter: float) -> Stretch:
+    def stretch(self, parameter: float) -> StretchPair:
         """Return (lambda_x, lambda_y) at a parameter."""
         x, y = (np.interp(parameter, self._ends, component) for component in self._stretches.T)
         return float(x), float(y)
