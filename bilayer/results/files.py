@@ -96,7 +96,7 @@ def _fill(group: netCDF4.Dataset, dataset: xr.Dataset) -> None:
     for name, variable in dataset.variables.items():
         is_text = variable.dtype.kind in "OU"
         gaps = np.nan if variable.dtype.kind == "f" and name not in dataset.coords else False
-        kind: Any = str if is_text else variable.dtype
+        kind: Any = str if is_text else variable.dtype.str[1:]  # without the order of bytes
         dims = [str(dim) for dim in variable.dims]
         stored = group.createVariable(str(name), kind, dims, fill_value=None if is_text else gaps)
         stored.setncatts(variable.attrs | _coordinates(dataset, name))

@@ -87,6 +87,7 @@ def prolong_shape(shape: Array, coarse: PlanarMesh, fine: PlanarMesh) -> Array:
 
     centre = coarse.centroid
     share = (1 - 1e-9) * _share_within_hull(coarse.points - centre, fine, centre)
+
     surface = SmoothSurface(coarse, shape).at(centre + share * (fine.points - centre))
     grown: Array = np.divide(surface, share)
     return grown

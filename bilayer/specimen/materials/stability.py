@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from bilayer.specimen.materials.hyperelastic import Hyperelastic
 from bilayer.specimen.materials.law import Law, Stretches
@@ -183,4 +182,6 @@ def _first_loss(
     if len(lost) == 0 or np.isnan(margins(stretches[lost[:1]])[0]):  # there the law has locked
         return math.inf
     before, after = stretches[lost[0] - 1], stretches[lost[0]]
+    from scipy.optimize import brentq  # slow to load
+
     return float(brentq(lambda s: margins(np.array([s]))[0], before, after, xtol=1e-12))
