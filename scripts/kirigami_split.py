@@ -8,7 +8,7 @@ layer as in the same lab's bistable sheets, of both layers as there, and without
 It takes half a minute and prints the table of docs/materials.md.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bilayer
 
@@ -33,9 +33,10 @@ CASES = (
 """The first is the template."""
 
 
-def shapes(case: Case) -> list[tuple[float, float]]:
+def shapes(case: Case, mesh_size: float) -> list[tuple[float, float]]:
     """Return height and radius of the best sphere at each stretch, m, by the accurate shell."""
-    specimen = bilayer.paper_specimen().with_milestones(STRETCHES)
+    specimen = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(mesh_size))
+    specimen = specimen.with_milestones(STRETCHES)
     for name, ratio in vars(case).items():
         law = specimen.layer(name).material
         split = bilayer.MooneyRivlin.from_moduli(law.young_modulus, law.poisson_ratio, ratio)
@@ -47,8 +48,9 @@ def shapes(case: Case) -> list[tuple[float, float]]:
     return list(zip(height.tolist(), radius.tolist(), strict=True))
 
 
-def main() -> None:
-    found = [shapes(case) for case in CASES]
+def main(mesh_size: float = 0.003) -> None:
+    """Print the table, of meshes of some size, m."""
+    found = [shapes(case, mesh_size) for case in CASES]
     columns = [f"{name} at {s:g}" for s in STRETCHES for name in ("height", "radius")]
     print("| C01/C10 substrate | kirigami |", " | ".join(columns), "|")
     print("|---" * (2 + len(columns)) + "|")

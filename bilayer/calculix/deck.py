@@ -253,7 +253,10 @@ def _material_of(part: _Part, heavy: bool) -> Iterator[str]:
 
 @singledispatch
 def _law_card(law: Law, scale: tuple[float, float, float], field: str) -> Iterator[str]:
-    raise NotImplementedError(f"no keyword for {type(law).__name__}")
+    raise InputError(
+        f"{field}.law = {law.name!r}: a deck has no keyword for it, expected 'mooney-rivlin', "
+        "'neo-hookean' or 'linear'"
+    )
 
 
 @_law_card.register

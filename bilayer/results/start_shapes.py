@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH, result_mesh
 from bilayer.results.table import stretches
 from bilayer.specimen.prestretch import StretchPair
 
 Array = NDArray[np.float64]
+
+SAME_PLACE = 9
+"""Decimals of a share of a way that tell two shapes apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +38,8 @@ class ShapeOnTheWay:
 class StartShapes:
     """The shapes that another result reached, in its order.
 
-    A result that goes up and down passes a prestretch more than once. The shapes of a way are those
-    from `passed`, the one at which it begins, to the first that is at its end. If there is none,
-    all are looked at.
+    A result may have been at one prestretch more than once. Then the shape is taken that it came to
+    next after the last one that was taken.
 
     Parameters
     ----------
@@ -44,12 +47,12 @@ class StartShapes:
         (lambda_x, lambda_y) of each.
     positions : (k, n, 3) array of float
         The reference surface, m.
-    passed : int
-        The one at the last target.
+    last : int
+        The last one that was taken; -1: none yet.
     """
 
-    def __init__(self, stretches: Array, positions: Array, passed: int = 0) -> None:
-        self.stretches, self.positions, self.passed = stretches, positions, passed
+    def __init__(self, stretches: Array, positions: Array, last: int = -1) -> None:
+        self.stretches, self.positions, self.last = stretches, positions, last
 
     @classmethod
     def of(cls, start: xr.Dataset, mesh: PlanarMesh) -> "StartShapes":
@@ -60,6 +63,7 @@ class StartShapes:
         InputError
             It is on another planar mesh, or reached no milestone.
         """
+        start = along_milestones(start)
         if not result_mesh(start).same_as(mesh):
             raise InputError(
                 f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of "
@@ -73,25 +77,26 @@ class StartShapes:
 
     def take_shapes(self, begin: StretchPair, end: StretchPair) -> list[ShapeOnTheWay]:
         """Return the shapes on the way from one target to the next, in their order."""
-        taken = self._places_on_way(begin, end)
-        if taken and taken[-1][0] == 1:
-            self.passed = taken[-1][1]
-        length = way_length(begin, end)
-        return [ShapeOnTheWay((1 - share) * length, self.positions[k]) for share, k in taken]
-
-    def _places_on_way(self, begin: StretchPair, end: StretchPair) -> list[tuple[float, int]]:
-        """Return the share of the way and the number of each shape on it, ascending."""
-        count = len(self.stretches)
-        shares = [share_of_way(begin, end, self.stretches[k]) for k in range(count)]
-        arrivals = [k for k in range(self.passed, count) if shares[k] == 1]
+        shares = [share_of_way(begin, end, pair) for pair in self.stretches]
         taken: dict[float, int] = {}
-        for k in range(self.passed, arrivals[0] + 1) if arrivals else range(count):
+        for k in self._rows_up_to_arrival(shares):
             share = shares[k]
-            if share and not any(abs(share - other) < SAME_STRETCH for other in taken):
-                taken[share] = k
-        return sorted(taken.items())
+            if share is not None:
+                taken.setdefault(round(share, SAME_PLACE), k)
+        self.last = max([self.last, *taken.values()])
+        length = way_length(begin, end)
+        return [
+            ShapeOnTheWay((1 - share) * length, self.positions[k])
+            for share, k in sorted(taken.items())
+        ]
 
-    def nearest(self, target: StretchPair) -> ShapeOnTheWay:
+    def _rows_up_to_arrival(self, shares: list[float | None]) -> range:
+        """Return the shapes after the last one up to the first at the end; all if there is none."""
+        later = range(self.last + 1, len(shares))
+        arrival = next((k for k in later if shares[k] == 1), None)
+        return range(len(shares)) if arrival is None else range(self.last + 1, arrival + 1)
+
+    def take_nearest(self, target: StretchPair) -> ShapeOnTheWay:
         """Return the shape of the nearest prestretch, to stand in for that at a target.
 
         Nearest in the larger stretch, then in both; the first of those that are as near.
@@ -99,6 +104,7 @@ class StartShapes:
         larger = np.abs(self.stretches.max(axis=1) - max(target))
         both = np.abs(self.stretches - target).max(axis=1)
         nearest = int(np.lexsort((both, larger))[0])
+        self.last = max(self.last, nearest)
         return ShapeOnTheWay(0.0, self.positions[nearest])
 
 

@@ -40,7 +40,7 @@ def starting_shape(
     InputError
         The result is on another planar mesh, or reached no milestone.
     """
-    return StartShapes.of(start, mesh).nearest(stretch).shape
+    return StartShapes.of(start, mesh).take_nearest(stretch).shape
 
 
 def with_waypoints(specimen: Specimen) -> Specimen:

@@ -146,7 +146,7 @@ class _Expansion:
         self._r2 = r2 = r * r
         self._x, self._y = 1 / r2, r2 * per_D
         self._p, self._q = T * self._x, r2 * self._y
-        self._s, self._t = D * self._x * self._x, T * self._y
+        self._s, self._t = D * (self._x * self._x), T * self._y
 
     @classmethod
     def of_least_energy(cls, plane: PlaneHyperelastic, T: Array, D: Array) -> "_Expansion":
@@ -192,7 +192,7 @@ class _Expansion:
         r3 = self._r2 * self._r
         kr3 = 6 / self._plane.law.d1 * r3
         P, Q, S, T = by_I1 * self._p, by_I1 * self._q, by_I2 * self._s, by_I2 * self._t
-        slope = 2 * (2 * (Q - S) - P + T) + kr3 * (r3 - 1)
+        slope = 4 * (Q - S) + 2 * (T - P) + kr3 * (r3 - 1)
         bend = 6 * P + 12 * Q + 20 * S + 2 * T + kr3 * (5 * r3 - 2)
         return slope, bend + self._bend("r", "r")
 
@@ -231,7 +231,9 @@ def _volume_of_least_energy(plane: PlaneHyperelastic, T: Array, D: Array, per_D:
         locked = np.isnan(step)
         if locked.any():  # the law locks there: half way back
             step = np.where(locked, (1 - inside / r) / 2, step)
-        inside = np.where(locked, inside, r)
+            inside = np.where(locked, inside, r)
+        else:
+            inside = r
         r = r * np.maximum(1 - step, 0.8)
         # what is turned inside out has infinite energy, whatever its r
         if not np.any((np.abs(step) > _VOLUME_TOLERANCE) & (D > 0)):

@@ -218,6 +218,10 @@ class StaticPath(Generic[Load]):
         """Return the force that the tolerance is relative to, N: that on the flat state."""
         weightless = Body(body.energies, 0 * body.load)
         flat = self._solver.configure(weightless, self._problem.flat(load))
+        if not math.isfinite(flat.error):
+            raise ComputationError(
+                f"the flat sheet is out of reach at {max(load):.6g}: the law of a layer locks"
+            )
         return max(flat.error + float(np.linalg.norm(body.load)), self._problem.least_force)
 
 

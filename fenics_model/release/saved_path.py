@@ -100,7 +100,7 @@ class SavedPath:
             arrays |= {
                 "shape_stretch": self.shapes.stretches,
                 "shape_position": self.shapes.positions,
-                "shape_passed": np.array([self.shapes.passed]),
+                "shape_last": np.array([self.shapes.last]),
             }
         return {name: array for name, array in arrays.items() if array.size}
 
@@ -115,8 +115,8 @@ class SavedPath:
 
         shapes = None
         if "shape_stretch" in saved:
-            passed = int(saved["shape_passed"][0])
-            shapes = StartShapes(saved["shape_stretch"], saved["shape_position"], passed)
+            last = int(saved["shape_last"][0])
+            shapes = StartShapes(saved["shape_stretch"], saved["shape_position"], last)
         reasons = zip(saved.get("left_parameter", ()), saved.get("left_reason", ()), strict=True)
         return cls(
             [(float(x), float(y)) for x, y in saved.get("targets", ())],

@@ -289,7 +289,7 @@ class SolidPath:
             return {}
         found = self._shapes.take_shapes(begin, target)
         if not found and len(self.loads.milestones) == 1:
-            found = [self._shapes.nearest(target)]
+            found = [self._shapes.take_nearest(target)]
         return {
             goal - shape.remaining: move_onto_held_points(
                 shape.shape, self.mesh.points, self._nodes

@@ -86,7 +86,7 @@ class SpecimenSolid:
         yield from (self.weight, *self.densities)
         for layer in self.solid.layers:
             yield layer.natural
-            yield from vars(layer.energy).values()
+            yield from layer.energy.symbols.values()
 
     def _take_constants(self, specimen: Specimen, place: LoadPlace) -> None:
         """Set natural states, weight, densities and laws to those of a specimen."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hexagon import RADIUS, hexagon_mesh, hexagon_specimen
 
-from bilayer import InputError, LinearElastic, MooneyRivlin, NeoHookean, PlanarMesh
+from bilayer import Gent, InputError, LinearElastic, MooneyRivlin, NeoHookean, PlanarMesh
 from bilayer.calculix.deck import (
     DeckSettings,
     abaqus_deck,
@@ -165,6 +165,11 @@ def test_the_linear_law_has_the_energy_of_the_strain_with_its_initial_part():
 def test_an_incompressible_law_is_refused_by_name(law, named):
     with pytest.raises(InputError, match=f"{named}: CalculiX has no incompressible law"):
         hexagon_deck(**with_law(law))
+
+
+def test_a_law_without_keyword_is_refused_by_name():
+    with pytest.raises(InputError, match="law = 'gent': a deck has no keyword for it"):
+        hexagon_deck(**with_law(Gent(2e4, 9.0, 1e-6)))
 
 
 def test_weight_acts_on_the_mass_that_is_drawn():

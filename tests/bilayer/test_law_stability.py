@@ -79,6 +79,8 @@ def test_which_criterion_fails_at_a_stretch():
     assert loss_of_stability(tape, (1.6, 1.5)) == "dead loads"
     assert loss_of_stability(MooneyRivlin(1e4, -2e3), (2.0, 2.0)) == "Drucker's criterion"
     assert loss_of_stability(LinearElastic(1e5, 0.5), (1.4, 1.4)) == ""
+    assert loss_of_stability(Gent(1e4, 0.3), (1.1, 1.1)) == ""
+    assert loss_of_stability(Gent(1e4, 0.3), (1.2, 1.2)) == "locking at constant volume"
 
 
 def test_a_warning_names_layer_stretches_and_limit():

@@ -1,7 +1,7 @@
 """The shapes of a start that lead to the milestones of a run, in whatever order they come."""
 
-import itertools
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from made_results import cap_result, small_specimen
 from bilayer import InputError, MeshSize, generate_mesh
 from bilayer.results.schema import result_mesh
 from bilayer.results.start_shapes import StartShapes
-from bilayer.results.starting import starting_shape, with_waypoints
+from bilayer.results.starting import with_waypoints
 
 UP_AND_DOWN = [1.03, 1.06, 1.03, 1.06]
 
@@ -23,22 +23,23 @@ def start():
     return result
 
 
-def take_along(start, targets):
-    """The rows of a start whose shapes lead to each target, and how far they are from it."""
-    positions, shapes = start["position"].values, StartShapes.of(start, result_mesh(start))
-    pairs = [(x, x) for x in (1.0, *targets)]
-    ways = [shapes.take_shapes(*way) for way in itertools.pairwise(pairs)]
-    rows = [
-        [[np.array_equal(s.shape, row) for row in positions].index(True) for s in way]
-        for way in ways
-    ]
-    return rows, [[shape.remaining for shape in way] for way in ways]
+def rows_of(start, milestones):
+    """The rows of the start that lead to each milestone, and how far each is from it."""
+    shapes = StartShapes.of(start, result_mesh(start))
+    ways = pairwise([(1.0, 1.0), *((x, x) for x in milestones)])
+    found = [shapes.take_shapes(*way) for way in ways]
+    rows = [[row_of(start, shape.shape) for shape in way] for way in found]
+    return rows, [shape.remaining for way in found for shape in way]
+
+
+def row_of(start, shape):
+    return [np.array_equal(shape, row) for row in start["position"].values].index(True)
 
 
 def test_a_prestretch_that_comes_again_has_its_own_shape(start):
-    rows, remaining = take_along(start, UP_AND_DOWN)
-    assert rows == [[0], [1], [2], [3]]
-    assert remaining == [[0]] * 4
+    rows, remaining = rows_of(start, UP_AND_DOWN)
+    assert [way[-1] for way in rows] == [0, 1, 2, 3]
+    assert [r for r in remaining if r == 0] == [0] * 4
 
 
 def test_waypoints_lie_on_the_way_down_too():
@@ -46,27 +47,28 @@ def test_waypoints_lie_on_the_way_down_too():
     assert specimen.prestretch.nominal == pytest.approx([1.05, 1.1, 1.055, 1.01, 1.055, 1.1])
     start = cap_result(specimen)
     start["position"] = start["position"] * np.linspace(1, 2, 6)[:, None, None]
-    rows, remaining = take_along(start, [1.1, 1.01, 1.1])
-    assert rows == [[0, 1], [2, 3], [4, 5]]
-    assert np.concatenate(remaining) == pytest.approx([0.05, 0, 0.045, 0, 0.045, 0])
+    rows, remaining = rows_of(start, [1.1, 1.01, 1.1])
+    assert [[way[0], way[-1]] for way in rows[1:]] == [[2, 3], [4, 5]]
+    assert rows[0][-1] == 1
+    assert remaining[-4:] == pytest.approx([0.045, 0, 0.045, 0])
 
 
 @pytest.mark.parametrize(
     ("stretch", "row"), [((1.031, 1.031), 0), ((1.07, 1.0), 1), ((1.0, 1.0), 0)]
 )
 def test_the_nearest_shape_is_the_first_of_those_as_near(start, stretch, row):
-    shape = starting_shape(start, result_mesh(start), stretch)
-    assert np.array_equal(shape, start["position"].values[row])
+    taken = StartShapes.of(start, result_mesh(start)).take_nearest(stretch)
+    assert row_of(start, taken.shape) == row
 
 
 def test_of_equal_larger_stretches_the_pair_counts():
     start = cap_result(small_specimen([(1.06, 1.0), (1.06, 1.05), (1.06, 1.06)]))
     start["position"] = start["position"] * np.array([1, 2, 3])[:, None, None]
-    shape = starting_shape(start, result_mesh(start), (1.06, 1.045))
-    assert np.array_equal(shape, start["position"].values[1])
+    taken = StartShapes.of(start, result_mesh(start)).take_nearest((1.06, 1.045))
+    assert row_of(start, taken.shape) == 1
 
 
 def test_a_start_on_another_mesh_is_told(start):
     mesh = generate_mesh(replace(small_specimen(), mesh=MeshSize(0.015)))
     with pytest.raises(InputError, match="expected a result on the planar mesh of this run"):
-        starting_shape(start, mesh, (1.0, 1.0))
+        StartShapes.of(start, mesh)

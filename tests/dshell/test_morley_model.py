@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bilayer import InputError, MeshSize, PlanarMesh, generate_mesh, solve
+from bilayer import Gent, InputError, MeshSize, PlanarMesh, generate_mesh, solve
 from bilayer.geometry.alignment import rms_distance
 from bilayer.solvers.registry import settings_class
 from dshell import MorleySettings
@@ -117,3 +117,12 @@ def test_a_weighted_dome_does_not_care_how_its_mesh_is_turned(coarse_specimen):
 def test_bad_settings_are_named(values, message):
     with pytest.raises(InputError, match=message):
         MorleySettings(**values)
+
+
+def test_the_path_ends_where_the_law_of_a_layer_locks(coarse_specimen, coarse_mesh):
+    """Incompressible, with I1 - 3 = 0.3 at an equal stretch of 1.178."""
+    locking = coarse_specimen.with_layer("substrate", material=Gent(39e3, 0.3))
+    result = solve(locking.with_milestones([1.03, 1.2]), "dshell", mesh=coarse_mesh)
+    assert result.converged.values.tolist() == [1, 0]
+    expected = "the flat sheet is out of reach at 1.2: the law of a layer locks"
+    assert expected in result.attrs["stop_reason"]

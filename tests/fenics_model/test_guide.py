@@ -61,7 +61,7 @@ def test_shapes_are_found_at_and_between_targets(shell, mesh):
 def test_the_nearest_shape_stands_in(shell, mesh):
     shapes = StartShapes.of(shell, mesh)
     assert shapes.take_shapes((1.0, 1.0), (1.01, 1.02)) == []
-    first = shapes.nearest((1.01, 1.02))
+    first = shapes.take_nearest((1.01, 1.02))
     assert first.remaining == 0
     assert first.shape == pytest.approx(shell["position"].values[0])
 

@@ -49,7 +49,7 @@ def visited():
 def test_the_way_down_leads_back_to_the_shape(visited):
     (first, _, _), (second, effort, _), (again, down, _), (same, none, _), _ = visited
     assert np.abs(second - first).max() > 1e-3
-    assert again == pytest.approx(first, abs=1e-7 * COARSE.outer_radius)
+    assert again == pytest.approx(first, abs=1e-7 * COARSE.characteristic_length)
     assert down.iterations < effort.iterations
     assert same == pytest.approx(again, abs=1e-12)
     assert none.iterations <= 1

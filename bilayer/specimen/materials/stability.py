@@ -36,6 +36,7 @@ LOADINGS: Mapping[str, Callable[[Array], tuple[Array, Array]]] = {
 }
 """Stretches in the plane by the largest of them; the free ones keep the volume."""
 DRUCKER, EQUAL_LOADS, DEAD_LOADS = "Drucker's criterion", "equal loads", "dead loads"
+LOCKING = "locking at constant volume"
 LARGEST_STRETCH = 10.0
 _SAMPLES = 400
 _IN_PLANE = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]])  # logarithmic strains, volume kept
@@ -72,7 +73,10 @@ def loss_of_stability(law: Law, stretch: Stretches) -> str:
     if not isinstance(law, Hyperelastic):
         return ""
     x, y = np.array(stretch)[:, None]
-    if drucker_margin(law, x, y)[0] <= 0:
+    drucker = drucker_margin(law, x, y)[0]
+    if math.isnan(drucker):
+        return LOCKING
+    if drucker <= 0:
         return DRUCKER
     if dead_load_margin(law, x, y)[0] <= 0:
         return EQUAL_LOADS if math.isclose(*stretch) else DEAD_LOADS
@@ -105,6 +109,8 @@ def stability_warning(name: str, law: Law, stretches: Sequence[Stretches]) -> st
 def _limit_of(law: Law, stretch: Stretches, criterion: str) -> str:
     """Return from which stretch on a criterion fails, in words, if that is one number."""
     if not math.isclose(*stretch):
+        return ""
+    if criterion == LOCKING:
         return ""
     limits = stability_limits(law)
     limit = limits.equal_loads if criterion == EQUAL_LOADS else limits.drucker["equibiaxial"]
