@@ -9,7 +9,7 @@ from bilayer.specimen.specimen import Specimen
 THICKEST_SHELL = 0.1
 """Whole thickness over the characteristic length up to which a shell stands for the solid.
 
-Its source is the table of distances between the two solvers in docs/verification.md."""
+It is taken from the distances between the two solvers that scripts/any_sheet computes."""
 
 
 def is_unstable(result: xr.Dataset) -> NDArray[np.bool_]:
