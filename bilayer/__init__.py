@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from bilayer.mesh.generation import generate_mesh
     from bilayer.mesh.planar import PlanarMesh, read_planar_mesh, write_planar_mesh
     from bilayer.results.comparison import compare
-    from bilayer.results.conversion import convert_milestones, convert_result
+    from bilayer.results.conversion import convert, convert_milestones
     from bilayer.results.files import open_result, write_result
     from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
@@ -54,6 +54,8 @@ if TYPE_CHECKING:
     )
     from bilayer.specimen.two_layers import disc_bilayer
     from bilayer.study.dataset import open_study
+    from bilayer.study.plan import read_study
+    from bilayer.study.run import run_study
     from dshell.settings import HingeSettings, MorleySettings, PaperSettings
     from fenics_model.settings import SolidSettings
 
@@ -73,7 +75,7 @@ _MODULES = {
     "bilayer.mesh.generation": ("generate_mesh",),
     "bilayer.mesh.planar": ("PlanarMesh", "read_planar_mesh", "write_planar_mesh"),
     "bilayer.results.comparison": ("compare",),
-    "bilayer.results.conversion": ("convert_milestones", "convert_result"),
+    "bilayer.results.conversion": ("convert", "convert_milestones"),
     "bilayer.results.files": ("open_result", "write_result"),
     "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
@@ -102,6 +104,8 @@ _MODULES = {
     ),
     "bilayer.specimen.two_layers": ("disc_bilayer",),
     "bilayer.study.dataset": ("open_study",),
+    "bilayer.study.plan": ("read_study",),
+    "bilayer.study.run": ("run_study",),
     "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
     "fenics_model.settings": ("SolidSettings",),
 }

@@ -4,7 +4,7 @@ import argparse
 from typing import Any
 
 from bilayer.cli.parser import add_verb
-from bilayer.results.conversion import convert_milestones, convert_result
+from bilayer.results.conversion import convert, convert_milestones
 from bilayer.results.files import open_result
 
 
@@ -36,5 +36,5 @@ def run(options: argparse.Namespace) -> int:
         for path in convert_milestones(result, options.output, options.part):
             print(path)
     else:
-        convert_result(result, options.output, options.prestretch, options.part)
+        convert(result, options.output, options.prestretch, options.part)
     return 0

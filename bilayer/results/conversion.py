@@ -21,7 +21,7 @@ from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
 
 
-def convert_result(
+def convert(
     result: xr.Dataset,
     path: str | Path,
     prestretch: float | None = None,
@@ -58,7 +58,7 @@ def convert_result(
 def convert_milestones(
     result: xr.Dataset, path: str | Path, part: str = "midsurface"
 ) -> list[Path]:
-    """Write every shape that was reached, each to a file of its own; see `convert_result`.
+    """Write every shape that was reached, each to a file of its own; see `convert`.
 
     The prestretch is put before the ending: shape.vtu becomes shape_1.03.vtu, shape_1.06.vtu, ...,
     and shape_1.03_2.vtu for a second milestone with that prestretch.

@@ -7,7 +7,7 @@ import xarray as xr
 from made_results import cap_result
 
 from bilayer import ComputationError, InputError, result_mesh
-from bilayer.results.conversion import convert_milestones, convert_result
+from bilayer.results.conversion import convert, convert_milestones
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def test_every_reached_milestone_gets_a_file_of_its_own(result, tmp_path):
 
 
 def test_without_a_prestretch_the_last_reached_shape_is_written(result, tmp_path):
-    convert_result(result, tmp_path / "shape.vtu")
+    convert(result, tmp_path / "shape.vtu")
     last = result["position"].sel(prestretch=1.06).values
     assert meshio.read(tmp_path / "shape.vtu").points == pytest.approx(last, abs=1e-15)
 
@@ -30,7 +30,7 @@ def test_without_a_prestretch_the_last_reached_shape_is_written(result, tmp_path
 @pytest.mark.parametrize("ending", ["vtu", "vtk"])
 def test_the_shape_comes_back(result, tmp_path, ending):
     path = tmp_path / f"shape.{ending}"
-    convert_result(result, path, prestretch=1.06)
+    convert(result, path, prestretch=1.06)
     read = meshio.read(path)
     position = result["position"].sel(prestretch=1.06).values
     reference = result["reference_position"].values
@@ -64,7 +64,7 @@ def with_volume(result):
 def test_the_volume_where_there_is_one(result, tmp_path):
     stacked = with_volume(result)
     path = tmp_path / "body.vtu"
-    convert_result(stacked, path, prestretch=1.03, part="volume")
+    convert(stacked, path, prestretch=1.03, part="volume")
     read = meshio.read(path)
     assert read.get_cells_type("tetra").tolist() == stacked["volume_cells"].values.tolist()
     assert read.points == pytest.approx(stacked["volume_position"].values[0])
@@ -82,29 +82,29 @@ def test_the_volume_where_there_is_one(result, tmp_path):
 )
 def test_what_cannot_be_converted_is_said(result, tmp_path, options, message):
     with pytest.raises(InputError, match=message):
-        convert_result(result, tmp_path / "shape.vtu", **options)
+        convert(result, tmp_path / "shape.vtu", **options)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_result_without_shapes(tmp_path):
     with pytest.raises(InputError, match="none was"):
-        convert_result(cap_result(reached=1.01), tmp_path / "shape.vtu")
+        convert(cap_result(reached=1.01), tmp_path / "shape.vtu")
 
 
 def test_an_unknown_format_writes_nothing(result, tmp_path):
     with pytest.raises(InputError, match=r"shape\.nonsense: cannot be written"):
-        convert_result(result, tmp_path / "shape.nonsense", prestretch=1.03)
+        convert(result, tmp_path / "shape.nonsense", prestretch=1.03)
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["shape.vtu", "shape.xdmf"])
 def test_a_full_disk_leaves_nothing(result, tmp_path, full_disk, name):
     with full_disk(), pytest.raises(ComputationError, match=r"mesh file .* cannot be written"):
-        convert_result(result, tmp_path / name, prestretch=1.03)
+        convert(result, tmp_path / name, prestretch=1.03)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_nothing_is_printed(result, tmp_path, capfd):
     for ending in ("vtu", "msh", "ply", "stl"):
-        convert_result(result, tmp_path / f"shape.{ending}", prestretch=1.03)
+        convert(result, tmp_path / f"shape.{ending}", prestretch=1.03)
     assert capfd.readouterr() == ("", "")

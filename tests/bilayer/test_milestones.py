@@ -8,7 +8,7 @@ from made_results import cap_result
 
 from bilayer import MeshSize, paper_specimen, solve
 from bilayer.results.comparison import compare
-from bilayer.results.conversion import convert_milestones, convert_result
+from bilayer.results.conversion import convert, convert_milestones
 from bilayer.results.milestones import along_milestones
 from bilayer.results.report import provenance, result_table
 
@@ -35,8 +35,8 @@ def test_a_milestone_alone_is_told_of_and_written(tmp_path):
     row = result_table(result).splitlines()[3]
     assert result_table(one).splitlines()[2].split() == row.split()
     assert "milestones  1 of 1 reached" in provenance(one)
-    convert_result(one, tmp_path / "one.vtu")
-    convert_result(result, tmp_path / "same.vtu", 1.06)
+    convert(one, tmp_path / "one.vtu")
+    convert(result, tmp_path / "same.vtu", 1.06)
     assert (tmp_path / "one.vtu").read_bytes() == (tmp_path / "same.vtu").read_bytes()
 
 

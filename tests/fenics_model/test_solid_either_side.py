@@ -10,7 +10,7 @@ pytest.importorskip("dolfinx")
 from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen, solve
 from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import flat_surface
-from bilayer.results.conversion import convert_result
+from bilayer.results.conversion import convert
 from bilayer.specimen.two_layers import with_stretched
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
@@ -86,4 +86,4 @@ def test_the_volume_lies_where_its_layer_does(mesh, inner_kirigami, tmp_path):
     below = corners[:, :, 2].mean(axis=1) < 0
     assert inner_kirigami["layer"].attrs["flag_meanings"] == "substrate kirigami"
     assert np.array_equal(inner_kirigami["layer"].values, below)
-    convert_result(inner_kirigami, tmp_path / "solid.vtu", part="volume")
+    convert(inner_kirigami, tmp_path / "solid.vtu", part="volume")
