@@ -145,6 +145,8 @@ def resident():
 @pytest.mark.mpi
 def test_searches_leave_no_memory_behind(plate):
     """On several ranks what is left to a collector is never freed."""
+    if plate.newton.layout.comm.size == 1:
+        pytest.skip("one rank: run under mpirun -n 2")
     search = plate.search()
     plate.leave(plate.flat, search)  # so that everything is compiled and the heap has its size
     plate.leave(plate.flat, search)
