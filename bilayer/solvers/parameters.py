@@ -6,7 +6,7 @@
 - `LAYER.density`: kg/m3
 - `LAYER.material.CONSTANT`: a constant of its law, such as `substrate.material.C10`, Pa
 
-`central_difference` differentiates whatever is a smooth function of specimen and prestretch. Such
+`difference_by` differentiates whatever is a smooth function of specimen and prestretch. Such
 a function is computed without iteration, so its noise is round-off alone.
 """
 
@@ -21,17 +21,23 @@ from bilayer.errors import InputError
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
+CENTRAL = {1.0: 0.5, -1.0: -0.5}
+FORWARD = {0.0: -1.5, 1.0: 2.0, 2.0: -0.5}
+"""Weights of the values after so many steps, over the step, in a first derivative."""
 RELATIVE_CHANGE = 1e-5
 """Of a parameter: the difference errs by its square and by round-off over it, about 1e-10."""
 
 
-def central_difference(
+def difference_by(
     value: Callable[[Specimen, StretchPair], NDArray[np.float64]],
     specimen: Specimen,
     stretch: StretchPair,
     parameter: str,
 ) -> NDArray[np.float64]:
-    """Return the derivative of a function by a parameter.
+    """Return the derivative of a function by a parameter, by differences of the second order.
+
+    They are central, but for a parameter that is 0: it may have to stay positive, as gravity and
+    a compressibility have to, so that these are forward differences.
 
     Parameters
     ----------
@@ -48,16 +54,29 @@ def central_difference(
         The specimen has no such parameter.
     """
     change = RELATIVE_CHANGE * parameter_scale(specimen, stretch, parameter)
-    above, below = (
-        value(*changed(specimen, stretch, parameter, sign * change)) for sign in (1.0, -1.0)
-    )
-    return np.asarray((above - below) / (2 * change))
+    is_zero = parameter_value(specimen, stretch, parameter) == 0
+    weights = FORWARD if is_zero else CENTRAL
+    values = [
+        weight * value(*changed(specimen, stretch, parameter, steps * change))
+        for steps, weight in weights.items()
+    ]
+    return np.asarray(sum(values) / change)
 
 
 def parameter_scale(specimen: Specimen, stretch: StretchPair, parameter: str) -> float:
-    """Return the size that a change of a parameter is measured by: its value, 1 if that is 0."""
+    """Return the size that a change of a parameter is measured by: its value unless it is 0.
+
+    Then it is 1 in the parameter's unit, or what the layer's shear modulus makes of Pa and 1/Pa.
+    """
     value = parameter_value(specimen, stretch, parameter)
-    return abs(value) if value else 1.0
+    if value:
+        return abs(value)
+    match parameter.split("."):
+        case [layer, "material", name]:
+            material = specimen.layer(layer).material
+            modulus = material.shear_modulus
+            return {"Pa": modulus, "1/Pa": 1 / modulus}.get(material.units.get(name, ""), 1.0)
+    return 1.0
 
 
 def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) -> float:

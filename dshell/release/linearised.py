@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bilayer.geometry.alignment import align_gradient
 from bilayer.mesh.planar import flat_surface
-from bilayer.solvers.parameters import central_difference
+from bilayer.solvers.parameters import difference_by
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Assembly, Energy, deform
@@ -104,7 +104,7 @@ class LinearisedShell:
         def of(specimen: Specimen, stretch: StretchPair) -> Array:
             return value(self._shell.of(specimen), stretch)
 
-        return central_difference(of, self._shell.specimen, self._stretch, parameter)
+        return difference_by(of, self._shell.specimen, self._stretch, parameter)
 
 
 def _factor_of(assembly: Assembly, energies: Sequence[Energy], state: Array) -> Factor:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.solvers.parameters import central_difference, parameter_value
+from bilayer.solvers.parameters import difference_by, parameter_value
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from fenics_model.path.load_schedule import LoadPlace
@@ -57,9 +57,7 @@ class SolidLinearisation:
 
     def residual_by(self, parameter: str) -> Array:
         """Return the derivative of the residual by a parameter, the state fixed."""
-        return central_difference(
-            self._residual, self._body.specimen, self._place.stretch, parameter
-        )
+        return difference_by(self._residual, self._body.specimen, self._place.stretch, parameter)
 
     def _residual(self, specimen: Specimen, stretch: StretchPair) -> Array:
         place = LoadPlace(stretch, self._place.weight, self._place.imperfection)
