@@ -153,7 +153,7 @@ def test_layers_of_a_mesh_are_those_of_its_sets():
 
 
 def test_gmsh_is_left_as_it_was_found():
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     try:
         gmsh.model.add("mine")
         gmsh.model.geo.addPoint(0, 0, 0, 1.0)
