@@ -28,7 +28,7 @@ from bilayer.specimen.units import UNITS
 from bilayer.validation import nearest
 
 USUAL_SIZES = (1e-4, 1.0)
-"""Characteristic lengths of a sheet that are taken without a question, m."""
+"""Half of a width or height of a sheet that is taken without a question, m."""
 
 
 def template() -> str:
@@ -74,12 +74,15 @@ def parse_specimen_file(
     """
     data = _tables(text, overrides, source)
     specimen = specimen_from_tables(data)
-    size = specimen.characteristic_length
+    x, y, far_x, far_y = specimen.outline.polygon.bounds
+    width, height = far_x - x, far_y - y
     smallest, largest = USUAL_SIZES
-    if not smallest <= size <= largest and not _has_units(data["specimen"]):
+    usual = 2 * smallest <= min(width, height) and max(width, height) <= 2 * largest
+    if not usual and not _has_units(data["specimen"]):
         raise InputError(
-            f"specimen: the sheet has a radius of {size:g} m, a bare number is in metres: is that "
-            f'meant? expected from {smallest:g} to {largest:g} m, or a unit, as in "{size:g} m"'
+            f"specimen: the sheet is {width:g} m wide and {height:g} m high, a bare number is in "
+            f"metres: is that meant? expected from {2 * smallest:g} to {2 * largest:g} m, or a "
+            'unit with each length, as in "40 mm"'
         )
     return specimen
 
@@ -138,6 +141,7 @@ def _why_unknown(table: str, known: Iterable[str], is_long: bool) -> str:
 
 
 def _has_units(sheet: Mapping[str, Any]) -> bool:
-    """Whether any length of the outline is a text."""
+    """Whether every length of the outline is a text."""
     lengths = {**sheet, **sheet.get("outline", {})}
-    return any(isinstance(lengths[key], str) for key in lengths if UNITS.get(key) == "m")
+    given = [value for key, value in lengths.items() if UNITS.get(key) == "m"]
+    return bool(given) and all(isinstance(value, str) for value in given)

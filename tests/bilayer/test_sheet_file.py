@@ -161,6 +161,13 @@ def test_a_size_that_may_be_in_another_unit_is_asked_for(tmp_path, radius):
     assert parse_specimen(specimen_to_toml(meant)) == meant  # a result is not asked about
 
 
+def test_a_size_with_one_unit_forgotten_is_asked_for():
+    square = EXAMPLES / "square_cross.toml"
+    with pytest.raises(InputError, match=r"is that meant\?.* a unit with each length"):
+        read_specimen(square, ["specimen.outline.width=60"])
+    assert read_specimen(square, ["specimen.outline.width=0.06"]).outline.width == 0.06
+
+
 def test_a_single_value_of_a_layer_a_pattern_or_a_material_is_replaced():
     overrides = [
         "layers.upper.thickness=2 mm",
