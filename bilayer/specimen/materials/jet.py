@@ -12,7 +12,6 @@ from typing import Any, Union
 from bilayer.specimen.materials.law import Functions
 
 Operand = Union["Jet", Any]
-Second = tuple[Any, Any, Any]
 
 
 @dataclass(frozen=True, eq=False)
