@@ -1,7 +1,7 @@
 """The files that CalculiX writes: deck.frd (shapes), deck.sta (increments), deck.cvg (iterations).
 
-The .frd file has fixed columns: a node's line is ' -1', its number in 10 columns and values in 12
-columns each, which touch each other.
+The rows of numbers in a .frd file are read by `bilayer.calculix.frd_rows`. Other programs than
+CalculiX' authors built write a decimal comma, or exponents of three digits (Windows).
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.calculix.frd_rows import NODE_COLUMNS, read_rows
 from bilayer.errors import InputError
 
 Array = NDArray[np.float64]
 
 VERSION = "    1UVERSION"
 NODES, DISPLACEMENT, BLOCK_END, FILE_END = "    2C", " -4  DISP", " -3", " 9999"
-VALUE_COLUMNS = [(13 + 12 * k, 25 + 12 * k) for k in range(3)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,46 +73,53 @@ def read_frd(path: str | Path) -> Frd:
     Raises
     ------
     InputError
-        The file is missing, or is none of CalculiX's, or ends within its numbers.
+        The file is missing, is binary or none of CalculiX's, or ends within its numbers.
     """
     lines = _lines(path)
     starts = [index for index, line in enumerate(lines) if line.startswith(NODES)]
     if not starts:
         raise InputError(f"frd file {path}: holds no nodes, expected a result of CalculiX")
-    numbers, points = _block(path, lines, starts[0])
+    columns = _node_columns(path, lines[starts[0]])
+    numbers, points = _block(path, lines, starts[0], columns)
     displacements = np.full_like(points, np.nan)
     fields = [index for index, line in enumerate(lines) if line.startswith(DISPLACEMENT)]
     if fields:
-        found, values = _block(path, lines, fields[-1])
+        found, values = _block(path, lines, fields[-1], columns)
         if not np.array_equal(found, numbers):
             raise InputError(
                 f"frd file {path}: displacements of {len(found)} nodes, expected those of all "
                 f"{len(numbers)}"
             )
         displacements = values
-    version = next(
-        (line[11:].split()[-1] for line in lines if line.startswith("    1UVERSION")), ""
-    )
+    versions = [line[len(VERSION) :].split() for line in lines if line.startswith(VERSION)]
+    version = versions[0][-1] if versions and versions[0] else ""
     return Frd(points, displacements, version, lines[-1].startswith(FILE_END))
 
 
-def _block(path: str | Path, lines: Sequence[str], start: int) -> tuple[NDArray[np.int64], Array]:
-    """Node numbers and three values each of the block that begins at a line."""
+def _block(
+    path: str | Path, lines: Sequence[str], start: int, columns: int
+) -> tuple[NDArray[np.int64], Array]:
+    """Return node numbers and three values each of the block that begins at a line."""
     end = next((k for k in range(start, len(lines)) if lines[k].startswith(BLOCK_END)), None)
     if end is None:
         raise InputError(
             f"frd file {path}: ends at line {len(lines)}, within its numbers: cut off?"
         )
-    rows = [line for line in lines[start + 1 : end] if line.startswith(" -1")]
     try:
-        numbers = np.array([int(row[3:13]) for row in rows])
-        values = np.array([[float(row[a:b]) for a, b in VALUE_COLUMNS] for row in rows])
-    except ValueError as error:
+        return read_rows(lines[start + 1 : end], columns, start + 2)
+    except InputError as error:
+        raise InputError(f"frd file {path}: {error}") from error
+
+
+def _node_columns(path: str | Path, header: str) -> int:
+    """Return the width of the node numbers that the header of the nodes tells."""
+    kind = header[len(NODES) :].split()[1:2] or ["1"]
+    if kind[0] not in NODE_COLUMNS:
         raise InputError(
-            f"frd file {path}: the block at line {start + 1} is not of node numbers and three "
-            f"values each ({error})"
-        ) from error
-    return numbers, values.reshape(-1, 3)
+            f"frd file {path}: its numbers are binary (format {kind[0]}), expected a text file: "
+            "*NODE FILE instead of *NODE OUTPUT in the deck"
+        )
+    return NODE_COLUMNS[kind[0]]
 
 
 def read_run_record(path: str | Path) -> RunRecord:
@@ -151,7 +158,7 @@ def _rows(path: Path, columns: int) -> Iterator[list[str]]:
                 raise InputError(
                     f"{path}: a line of {len(words)} columns ({line.strip()!r}), expected {columns}"
                 )
-            yield words
+            yield [word.replace(",", ".") for word in words]
 
 
 def _lines(path: str | Path) -> list[str]:
