@@ -1,6 +1,7 @@
 """The versions that made a result: of this package, its commit, and its libraries."""
 
 import importlib.metadata
+import os
 import platform
 import subprocess
 from pathlib import Path
@@ -37,7 +38,12 @@ def git_commit() -> str:
 
 def _git(checkout: Path, *words: str) -> str:
     command = ["git", "-C", str(checkout), *words]
-    found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+    # Git's own variables, set in every hook, name another repository; no lock: nothing is written
+    own = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    own["GIT_OPTIONAL_LOCKS"] = "0"
+    found = subprocess.run(
+        command, capture_output=True, text=True, check=True, timeout=10, env=own
+    )  # fmt: skip
     return found.stdout.strip()
 
 

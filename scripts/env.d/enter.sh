@@ -10,6 +10,7 @@ enter_root() {  # root, command...
     local root=$1 here=$PWD holder lock view=()
     local -a join
     shift
+    [[ $here -ef . ]] || fail 2 "the current folder $here is gone: expected one that is there"
     need_command bwrap bubblewrap
     join=("$(type -P nsenter)" --mount)
     ((UID == 0)) || join+=(--user --preserve-credentials)
@@ -19,8 +20,8 @@ enter_root() {  # root, command...
     # A pipe, not `read < <(...)` and a wait for it: bash 5.2 may have reaped that child already, and
     # the wait then fails.
     # shellcheck disable=SC2016
-    holder=$({ bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- & } | head -n 1)
-    [[ -n $holder ]] || fail 1 "bubblewrap could not enter $root"
+    holder=$({ bwrap "${view[@]}" -- /bin/sh -c 'echo $$; exec sleep 60' {lock}<&- 2>/dev/null & } | head -n 1)
+    [[ -n $holder ]] || fail_to_enter "$root"
     set_root_variables "$root"
     # shellcheck disable=SC2016
     exec "${join[@]}" --target "$holder" /bin/sh -c '
@@ -28,6 +29,14 @@ enter_root() {  # root, command...
         cd -- "$2" || exit 1
         shift 2
         exec "$@"' "$script" "$holder" "$here" "$@"
+}
+
+# The same again, for what bubblewrap says.
+fail_to_enter() {  # root; uses the caller's view
+    local said
+    said=$(bwrap --dev-bind / / true 2>&1) || fail 1 "bubblewrap could not enter $1: $(refusal "$said")"
+    said=$(bwrap "${view[@]}" -- /bin/true 2>&1) || true
+    fail 1 "bubblewrap could not enter $1: ${said//$'\n'/ }"
 }
 
 # Bubblewrap's arguments, each ended by a NUL.
@@ -51,7 +60,7 @@ view_of() {  # root
             fi ;;
         esac
     done
-    for folder in /var/tmp "$HOME" "$checkout" "$PWD" "$(pwd -P)"; do
+    for folder in /var/tmp "${TMPDIR:-}" "$HOME" "$checkout" "$PWD" "$(pwd -P)"; do
         case $folder in
             /usr/local/* | /var/*) [[ ! -d $folder ]] || printf '%s\0' --bind "$folder" "$folder" ;;
         esac
@@ -91,16 +100,40 @@ set_root_variables() {  # root
 # scripts/ comes last on the PATH, because its `env` and `test` must not hide the system's.
 # A nested call finds BILAYER_ENV=native and so runs its command directly.
 set_common_variables() {  # root, or nothing for this machine's own
-    local more_ranks_than_cores
+    local more_ranks_than_cores seen
     more_ranks_than_cores=$(name_of_mapping_policy "$1")
+    seen=$(path_without_colon "$checkout")
+    take_a_temporary_folder
     export BILAYER_ENV=native
-    [[ :$PATH: == *:$checkout/scripts:* ]] || export PATH=$PATH:$checkout/scripts
-    [[ :${PYTHONPATH-}: == *:$checkout:* ]] || export PYTHONPATH=$checkout${PYTHONPATH:+:$PYTHONPATH}
+    [[ :$PATH: == *:$seen/scripts:* ]] || export PATH=$PATH:$seen/scripts
+    [[ :${PYTHONPATH-}: == *:$seen:* ]] || export PYTHONPATH=$seen${PYTHONPATH:+:$PYTHONPATH}
     export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
     export "$more_ranks_than_cores=${!more_ranks_than_cores:-:oversubscribe}"
     if ((UID == 0)); then
         export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     fi
+}
+
+# PATH and PYTHONPATH have no way to write a colon: a link without one stands for such a folder.
+path_without_colon() {  # folder
+    local link
+    [[ $1 == *:* ]] || { echo "$1"; return; }
+    link=$cache/checkouts/$(sha256sum <<<"$1" | cut -c1-12)
+    [[ $link != *:* ]] ||
+        fail 2 "neither $1 nor $cache may have a colon in its name, which PATH cannot hold; set XDG_CACHE_HOME to a folder without one"
+    make_cache
+    mkdir -p "${link%/*}"
+    [[ $link -ef $1 ]] || ln --symbolic --force --no-dereference "$1" "$link"
+    echo "$link"
+}
+
+# MPI ends in a segmentation violation where its temporary folder is gone, as it is in a shell that
+# outlived its batch job.
+take_a_temporary_folder() {
+    [[ -n ${TMPDIR:-} ]] || return 0
+    [[ -d $TMPDIR && -w $TMPDIR && -x $TMPDIR ]] && return
+    echo "$script: TMPDIR = $TMPDIR is no folder that can be written; /tmp is taken" >&2
+    unset TMPDIR
 }
 
 # Open MPI 6 has another name for it, and complains of the one before.

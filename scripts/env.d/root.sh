@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # Making a Debian root file system: mmdebstrap, a list of packages, the machine's own mirror.
-# Sourced by scripts/env, scripts/ccx and scripts/image, which say what is made: the suite, the folder
-# that it is kept in, and a function `packages` that prints the list.
+# Sourced after places.sh by scripts/env, scripts/ccx and scripts/image, which say what is made: the
+# suite, the folder that it is kept in, and a function `packages` that prints the list.
 : "${script:?}" "${suite:?}" "${cache:?}"
 
 recipe=1  # raise it when start_mmdebstrap makes something else of the same list
@@ -10,11 +10,6 @@ recipe=1  # raise it when start_mmdebstrap makes something else of the same list
 # files belong to the ordinary user who started it (or to sub-ids of theirs, until the build is done).
 as_owner=()
 ((UID == 0)) || as_owner=(unshare --map-root-user --map-auto)
-
-fail() {  # status, message
-    echo "$script: $2" >&2
-    exit "$1"
-}
 
 root_folder() {
     local key
@@ -33,7 +28,7 @@ with_build_lock() {  # command...
     need_command bwrap bubblewrap
     need_command mmdebstrap mmdebstrap
     need_namespaces
-    mkdir -p "$cache"
+    make_cache
     exec {lock}>"$cache/lock"
     if ! flock --nonblock "$lock"; then
         echo "$script: another start is making the environment, waiting for it" >&2
@@ -45,11 +40,22 @@ with_build_lock() {  # command...
 
 need_namespaces() {
     local said
-    bwrap --dev-bind / / true >/dev/null 2>&1 ||
-        fail 1 "bubblewrap may not make mounts here (in a container, or user namespaces are switched off?); take Debian 13 with the packages of docker/apt-packages.txt, or the Docker image"
+    said=$(bwrap --dev-bind / / true 2>&1) || fail 1 "bubblewrap is kept from its work: $(refusal "$said")"
     ((UID == 0)) || need_command newuidmap uidmap
     said=$("${as_owner[@]}" true 2>&1) ||
         fail 1 "the user $(id -un) may not make a root file system here: ${said:-no user namespaces}; root can allow it with: usermod --add-subuids FIRST-LAST --add-subgids FIRST-LAST $(id -un) (65536 ids that nobody else has)"
+}
+
+# Ubuntu 23.10 and later let AppArmor keep ordinary users' programs from making user namespaces.
+refusal() {  # bubblewrap's own words
+    local setting=/proc/sys/kernel/apparmor_restrict_unprivileged_userns found= said=${1//$'\n'/ }
+    [[ ! -r $setting ]] || found=" (here it is $(<"$setting"))"
+    echo "it may not make mounts or user namespaces here. It says: ${said:-nothing}." \
+        "Where AppArmor forbids it (kernel.apparmor_restrict_unprivileged_userns = 1$found, the" \
+        "default of Ubuntu from 23.10 on), root allows it by an AppArmor profile with 'userns,' for" \
+        "$(type -P bwrap), or by: sysctl kernel.apparmor_restrict_unprivileged_userns=0. In a" \
+        "container without that right take Debian 13 with the packages of docker/apt-packages.txt," \
+        "or the Docker image"
 }
 
 build_root_unless_built() {

@@ -53,6 +53,19 @@ def test_commit_of_a_checkout_and_whether_it_was_edited(package):
     assert commit_of(package) == f"{commit}-dirty"
 
 
+@pytest.mark.parametrize("variable", ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE"])
+def test_variables_of_git_do_not_lead_to_another_repository(
+    package, tmp_path_factory, monkeypatch, variable
+):
+    other = tmp_path_factory.mktemp("other")
+    (other / "file").write_text("of somebody else")
+    make_repository(other)
+    commit = make_repository(package.parent)
+    places = {"GIT_DIR": ".git", "GIT_WORK_TREE": ".", "GIT_INDEX_FILE": ".git/index"}
+    monkeypatch.setenv(variable, str(other / places[variable]))
+    assert commit_of(package) == commit
+
+
 def test_an_installed_package_has_the_commit_that_it_was_told(package):
     assert commit_of(package) == ""
     (package / "COMMIT").write_text("3bc4fe7\n")

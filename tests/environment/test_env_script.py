@@ -6,6 +6,7 @@ seen again.
 """
 
 import os
+import pwd
 import shutil
 import signal
 import subprocess
@@ -606,6 +607,88 @@ def test_where_namespaces_are_not_allowed_one_line_says_so(machine, refused):
     assert (status, output) == (1, "")
     assert is_one_line(errors)
     assert "user namespaces" in errors or "subuids" in errors
+
+
+def test_what_bubblewrap_says_is_shown_with_apparmors_part_in_it(machine):
+    machine.command("id", "#!/bin/sh\necho mara\n")
+    machine.command("bwrap", "#!/bin/sh\necho 'bwrap: uid map: Permission denied' >&2; exit 1\n")
+    status, output, errors = machine.finish()
+    assert (status, output) == (1, "")
+    assert is_one_line(errors)
+    assert "bwrap: uid map: Permission denied" in errors
+    assert "kernel.apparmor_restrict_unprivileged_userns" in errors
+
+
+def test_a_root_that_bubblewrap_is_kept_from_later_is_told_the_same(machine):
+    machine.finish()
+    machine.command("bwrap", "#!/bin/sh\necho 'bwrap: no right to it' >&2; exit 1\n")
+    errors = machine.finish()[2]
+    assert is_one_line(errors)
+    assert "bwrap: no right to it" in errors
+    assert "AppArmor" in errors
+
+
+def test_a_cache_that_cannot_be_made_is_one_line_with_the_variable_to_set(machine):
+    machine.variables["XDG_CACHE_HOME"] = "/proc"
+    status, output, errors = machine.finish()
+    assert (status, output) == (1, "")
+    assert is_one_line(errors)
+    assert "/proc/bilayer-shells" in errors
+    assert "set XDG_CACHE_HOME" in errors
+
+
+# ---------------------------------------------------------------- the user's variables and folders
+
+
+def run_with(variables: dict[str, str], *command: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run with these variables and the path of commands, no others."""
+    folders = os.environ["PATH"].split(":")
+    path = ":".join(folder for folder in folders if not folder.startswith(str(CHECKOUT)))
+    own = {"PATH": path, "BILAYER_ENV": "native"} | variables
+    return subprocess.run(command, env=own, capture_output=True, text=True, timeout=60)
+
+
+@pytest.mark.parametrize("home", [{}, {"HOME": ""}], ids=["unset", "empty"])
+def test_without_home_the_folder_of_the_password_file_is_taken(home):
+    result = run_with(home, ENV, "bash", "-c", "echo $HOME")
+    assert result.stdout == f"{pwd.getpwuid(os.getuid()).pw_dir}\n"
+    assert result.stderr == ""
+
+
+def test_a_cache_folder_that_is_relative_is_not_taken(tmp_path):
+    cache = {"HOME": str(tmp_path), "XDG_CACHE_HOME": "cache", "BILAYER_ENV": "root"}
+    assert f"root: {tmp_path}/.cache/bilayer-shells/root-" in run_with(cache, ENV, "--where").stdout
+
+
+def test_a_temporary_folder_that_is_gone_is_not_handed_on(tmp_path):
+    gone = run_with({"TMPDIR": str(tmp_path / "gone")}, ENV, "bash", "-c", "echo ${TMPDIR-none}")
+    there = run_with({"TMPDIR": str(tmp_path)}, ENV, "bash", "-c", "echo ${TMPDIR-none}")
+    assert gone.stdout == "none\n"
+    assert is_one_line(gone.stderr)
+    assert f"TMPDIR = {tmp_path}/gone" in gone.stderr
+    assert (there.stdout, there.stderr) == (f"{tmp_path}\n", "")
+
+
+@pytest.mark.parametrize("name", ["run 3: soft", "it's", 'a "b" $HOME', "-n; true"])
+def test_a_checkout_may_have_any_name(tmp_path, name):
+    checkout = tmp_path / name
+    for folder in ("scripts", "docker"):
+        shutil.copytree(CHECKOUT / folder, checkout / folder)
+    (checkout / "shape.py").write_text("print('found')")
+    cache = {"XDG_CACHE_HOME": str(tmp_path / "cache"), "HOME": str(tmp_path)}
+    result = run_with(cache, checkout / "scripts" / "env", "python3", "-P", "-m", "shape")
+    assert (result.stdout, result.stderr) == ("found\n", "")
+    result = run_with(cache, checkout / "scripts" / "env", "bash", "-c", "type -P bilayer")
+    assert Path(result.stdout.rstrip("\n")).resolve() == checkout / "scripts" / "bilayer"
+
+
+def test_a_current_folder_that_is_gone_is_named(root_of_this_system, tmp_path):
+    folder = tmp_path / "job"
+    folder.mkdir()
+    call = f'cd "{folder}" && rmdir "{folder}" && exec "{ENV}" true'
+    result = run_with({"BILAYER_ENV": str(root_of_this_system)}, "bash", "-c", call)
+    assert result.returncode == 2
+    assert f"the current folder {folder} is gone" in result.stderr
 
 
 # ---------------------------------------------------------------- CalculiX
