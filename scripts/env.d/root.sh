@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 # Making a Debian root file system: mmdebstrap, a list of packages, the machine's own mirror.
 # Sourced after places.sh by scripts/env, scripts/ccx and scripts/image, which say what is made: the
-# suite, the folder that it is kept in, and a function `packages` that prints the list.
+# suite, the folder that it is kept in, and two functions that print lists: `packages` Debian's,
+# `python_packages` those that pip installs.
 : "${script:?}" "${suite:?}" "${cache:?}"
 
 recipe=1  # raise it when start_mmdebstrap makes something else of the same list
@@ -13,7 +14,7 @@ as_owner=()
 
 root_folder() {
     local key
-    key=$({ echo "$suite $recipe $(uname -m)"; packages; } | sha256sum | cut -c1-12)
+    key=$({ echo "$suite $recipe $(uname -m)"; packages; python_packages; } | sha256sum | cut -c1-12)
     echo "$cache/root-$key"
 }
 
@@ -82,6 +83,7 @@ build_root() {
     wait "$progress"
     # All of it is the ordinary user's now, who can remove it as any other folder.
     ((UID == 0)) || "${as_owner[@]}" chown --recursive --no-dereference 0:0 "$partial"
+    install_python_packages "$partial" "$log"
     sync --file-system "$partial"
     [[ ! -e $root ]] || mv --no-target-directory "$root" "$root.old-$$.partial"
     mv --no-target-directory "$partial" "$root"
@@ -90,6 +92,29 @@ build_root() {
     remove_other_roots "$root"
     rm -rf "$cache/packages" "$log"
     echo "$script: the environment is ready ($(du -sh "$root" 2>/dev/null | cut -f1), ${SECONDS} s)" >&2
+}
+
+# pip runs in the new root, with the settings of this machine's own (see `view_of`). Debian's Python
+# finds the packages beside Debian's; /usr/local is the machine's while a command runs. Without them
+# everything else still works, so a machine that reaches no package index gets a root all the same.
+install_python_packages() {  # root, log
+    local root=$1 log=$2 into=/usr/lib/python3/dist-packages list enter view=()
+    list=$(python_packages)
+    [[ -n $list ]] || return 0
+    show_stage "installing Python packages"
+    mapfile -d '' -t view < <(view_of "$root")
+    enter=$(type -P bwrap)
+    (
+        set_root_variables "$root"
+        "$enter" "${view[@]}" --bind "$root$into" "$into" -- /usr/bin/python3 -m pip install \
+            --no-deps --only-binary :all: --no-cache-dir --target "$into" \
+            --requirement /dev/stdin <<<"$list"
+    ) >>"$log" 2>&1 ||
+        echo "$script: not installed: ${list//$'\n'/, } ($(pip_error "$log")); all else works, scripts/env --rebuild tries again" >&2
+}
+
+pip_error() {  # log
+    grep '^ERROR: ' "$1" | tail -n 1 | grep . || tail -n 1 "$1"
 }
 
 # Under the lock, a temporary name is the remains of a broken build: what it downloaded is kept.

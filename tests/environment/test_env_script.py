@@ -462,6 +462,53 @@ def test_a_changed_list_rebuilds_and_a_changed_reason_does_not(machine):
     assert machine.roots != before
 
 
+PIP_IN_THE_ROOT = """#!/bin/bash
+[[ $* == *" -m pip "* ]] || { echo 1; exit; }
+printf "%s\\n" "$@" >"$FAKE/pip"
+cat >"$FAKE/requirements"
+[[ ! -e $FAKE/no_index ]] || { echo "ERROR: no index"; exit 1; }
+"""
+
+
+def test_python_packages_are_installed_into_the_root_in_their_versions(machine):
+    machine.command("bwrap", PIP_IN_THE_ROOT)
+    status, output, errors = machine.finish()
+    assert (status, output) == (0, "entered\n")
+    assert "not installed" not in errors
+    (root,) = machine.roots
+    folder = "/usr/lib/python3/dist-packages"
+    arguments = (machine.folder / "pip").read_text().splitlines()
+    binds = zip(arguments, arguments[1:], arguments[2:], strict=False)
+    assert ("--bind", f"{machine.cache}/{root}.partial{folder}", folder) in binds
+    assert arguments[arguments.index("--target") + 1] == folder
+    listed = (machine.checkout / "docker" / "python-packages.txt").read_text().splitlines()
+    expected = [line.partition("#")[0].strip() for line in listed]
+    wanted = (machine.folder / "requirements").read_text().splitlines()
+    assert wanted == sorted(filter(None, expected))
+    assert all("==" in line for line in wanted)
+
+
+def test_without_a_package_index_one_line_says_what_is_missing(machine):
+    machine.command("bwrap", PIP_IN_THE_ROOT)
+    (machine.folder / "no_index").touch()
+    status, output, errors = machine.finish()
+    assert (status, output) == (0, "entered\n")
+    (line,) = [line for line in errors.splitlines() if "not installed" in line]
+    assert "ipctk==" in line
+    assert "ERROR: no index" in line
+    assert len(machine.roots) == 1
+
+
+def test_a_changed_list_of_python_packages_rebuilds(machine):
+    packages = machine.checkout / "docker" / "python-packages.txt"
+    machine.finish()
+    before = machine.roots
+    packages.write_text(packages.read_text() + "hello==1.0  # one more\n")
+    machine.finish()
+    assert machine.builds == 2
+    assert machine.roots != before
+
+
 def test_a_root_in_use_is_not_removed(machine):
     machine.finish()
     (in_use,) = machine.roots

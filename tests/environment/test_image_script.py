@@ -143,4 +143,7 @@ def test_the_dockerfile_copies_every_package():
     folders = {pattern.removesuffix("*") for pattern in include}
     lines = (CHECKOUT / "docker" / "Dockerfile").read_text().splitlines()
     copied = {line.split()[1] for line in lines if line.startswith("COPY ")}
-    assert folders | {"docker/apt-packages.txt", "pyproject.toml"} <= copied
+    assert (
+        folders | {"docker/apt-packages.txt", "docker/python-packages.txt", "pyproject.toml"}
+        <= copied
+    )
