@@ -15,6 +15,9 @@ and the node weights w = (1 - s, s, -1 at the apex), c = (-1, 1):
 The gradient is that of Bridson, Marino and Fedkiw (2003); the Hessian follows by differentiating
 n / h and s, and agrees with Tamstorf and Grinspun (2013), whose form has more terms. The second
 term is written as its symmetric part: what it drops cancels between the two triangles.
+
+The normals tell the angle up to whole turns. The surface knows how often it went round, so the
+state holds that number for each fold (see `dshell.energies.whole_turns`).
 """
 
 from dataclasses import dataclass
@@ -25,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dshell.energies.assembly import coordinates_of, sum_at
+from dshell.energies.whole_turns import FULL_TURN, turns_in
 
 Array = NDArray[np.float64]
 
@@ -41,11 +45,14 @@ class Hinges:
         k, J.
     natural_angle : (h,) array of float
         theta_bar, rad.
+    turn_dofs : (h,) array of int, optional
+        Place of each hinge's whole turns in the state; none if left out.
     """
 
     nodes: NDArray[np.int64]
     stiffness: Array
     natural_angle: Array
+    turn_dofs: NDArray[np.int64] | None = None
     name: ClassVar[str] = "bending"
 
     @cached_property
@@ -67,8 +74,18 @@ class _TurnedHinges:
     def __init__(self, hinges: Hinges, state: Array) -> None:
         self._hinges = hinges
         self._size = len(state)
-        self._fold = Fold(state[hinges.dofs])
+        self._fold = Fold(state[hinges.dofs], turns_in(state, hinges.turn_dofs))
         self._turn = self._fold.angle - hinges.natural_angle
+
+    @property
+    def turn_dofs(self) -> NDArray[np.int64] | None:
+        """See `dshell.energies.whole_turns.Folded`."""
+        return self._hinges.turn_dofs
+
+    @property
+    def angles(self) -> Array:
+        """See `dshell.energies.whole_turns.Folded`."""
+        return self._fold.angle
 
     def energy(self) -> Array:
         """See `dshell.energies.assembly.Deformed`."""
@@ -111,9 +128,12 @@ class Fold:
     ----------
     corners : (3, 4, ...) array of float
         x, y and z of each hinge's two ends and of the apexes of its first and second triangle, m.
+    turns : array of float or float
+        Whole turns of each hinge beyond what the normals tell.
     """
 
-    def __init__(self, corners: Array) -> None:
+    def __init__(self, corners: Array, turns: Array | float = 0.0) -> None:
+        self._turns = turns
         edge = corners[:, 1] - corners[:, 0]
         self._length = np.sqrt(_dot(edge, edge))
         self._along = edge / self._length
@@ -132,9 +152,10 @@ class Fold:
 
     @cached_property
     def angle(self) -> Array:
-        """Angle across each hinge, rad, (-pi, pi], shape (...)."""
+        """Angle across each hinge, rad, shape (...); (-pi, pi] without whole turns."""
         first, second = self._normal[:, 0], self._normal[:, 1]
-        return np.arctan2(_dot(self._along, _cross(first, second)), _dot(first, second))
+        angle = np.arctan2(_dot(self._along, _cross(first, second)), _dot(first, second))
+        return angle + FULL_TURN * self._turns
 
     @cached_property
     def gradient(self) -> Array:

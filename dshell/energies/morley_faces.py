@@ -32,6 +32,7 @@ from dshell.energies.membrane import FlatTriangles
 from dshell.energies.through_thickness import Laminate
 from dshell.energies.topology import FaceNeighbours
 from dshell.energies.turns import Turn
+from dshell.energies.whole_turns import turns_in
 
 Array = NDArray[np.float64]
 
@@ -80,6 +81,10 @@ class MorleyFaces:
         hinges = self._nodes[face[:, None], np.take(_FOLDS, edge, axis=0)]
         self.fold_dofs = fold_dofs(hinges)
         """Coordinates of the folds' nodes in the state, (3, 4, f)."""
+        self.inner_folds = hinges[:, 2] != hinges[:, 3]
+        """Whether there are two faces at each fold; at the boundary the angle means nothing."""
+        self.turn_dofs = self.edge_dofs.reshape(-1)[first] + self.edge_count
+        """Place of the whole turns of each fold in the state, behind the edges, (f,)."""
         self.folds = fold.reshape(self.edge_dofs.shape)
         """The fold over each edge of each face, (3, m)."""
         seen = np.where(first[self.folds] == np.arange(fold.size).reshape(self.folds.shape), 0, 1)
@@ -133,13 +138,23 @@ class BentFaces:
         self._faces = faces
         self._size = len(state)
         self._triangles = faces.flat.at(state[faces.corner_dofs])
-        self._folds = Turn(state[faces.fold_dofs])
+        self._folds = Turn(state[faces.fold_dofs], turns_in(state, faces.turn_dofs))
         turns = faces.turn_factors * self._folds.sharpness[faces.folds]
         turns += faces.shares * state[faces.edge_dofs]
         curvature = (faces.bending * turns).sum(axis=1)
         self.strains = np.concatenate([self._triangles.strain(), curvature])
         """Strain and curvature (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy), shape (6, m)."""
         self._laminate = faces.laminate.at(self.strains)
+
+    @property
+    def turn_dofs(self) -> NDArray[np.int64]:
+        """See `dshell.energies.whole_turns.Folded`."""
+        return self._faces.turn_dofs
+
+    @property
+    def angles(self) -> Array:
+        """See `dshell.energies.whole_turns.Folded`."""
+        return np.where(self._faces.inner_folds, self._folds.angle, 0.0)
 
     def energy(self) -> Array:
         """Return each face's energy, J, shape (m,)."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, total_energies
+from dshell.energies.topology import Topology
 from dshell.models.hinge_rest_state import laminate_springs_and_hinges, specimen_sections
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ class HingeModel:
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh) -> None:
         self._specimen, self._mesh = specimen, mesh
+        self.fold_count = len(Topology.of(mesh.triangles).hinges)
 
     def energies(self, stretch: tuple[float, float]) -> Sequence[Energy]:
         """Return springs and hinges, the prestretch being (lambda_x, lambda_y)."""

@@ -134,7 +134,8 @@ def laminate_springs_and_hinges(
     bend = 1.5 * (1 - tt) * curvature - 0.5 * tt * curvature  # n . k n has x and y exchanged
     angle = circumcentre_distances(mesh, topology) * bend[inner].sum(axis=1)
     stiffness = bending[inner] * length[inner] ** 2 / (3 * area[inner] ** 2)
-    return springs, Hinges(topology.hinges, stiffness, angle)
+    turn_dofs = 3 * len(mesh.points) + np.arange(len(angle))
+    return springs, Hinges(topology.hinges, stiffness, angle, turn_dofs)
 
 
 def circumcentre_distances(mesh: PlanarMesh, topology: Topology) -> Array:

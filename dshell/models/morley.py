@@ -40,7 +40,7 @@ class MorleyModel:
         self._specimen, self._mesh = specimen, mesh
         self._quadratic = PROFILES[settings.profile]
         faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
-        self.extra_dofs = faces.edge_count
+        self.extra_dofs = self.fold_count = faces.edge_count
         starts = range(0, len(mesh.triangles), FACES_IN_A_BLOCK)
         blocks = [slice(start, start + FACES_IN_A_BLOCK) for start in starts]
         self._blocks = [(block, faces.part(block)) for block in blocks]

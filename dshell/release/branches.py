@@ -98,9 +98,10 @@ class StableBranchRule:
         return found
 
     def _leave_unstable(self, body: Body, unstable: Outcome, limits: NewtonLimits) -> StepOutcome:
+        here = self._solver.configure(body, unstable.state)
         away = self._distance * self._solver.unstable_direction(body, unstable.state)
         sides = [
-            self._solver.find_minimum([body], unstable.state + side * away, limits)
+            self._solver.find_minimum([body], here.moved(side * away).state, limits)
             for side in MODE_SIDES
         ]
         arrived = [side for side in sides if side.converged] or sides[:1]

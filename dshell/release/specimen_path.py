@@ -198,10 +198,13 @@ class ShellPath:
         """Be in a state that was saved."""
         x, y = saved["stretch"]
         modes = int(saved["unstable_modes"])
+        state = np.asarray(saved["state"], dtype=np.float64)
+        whole = np.zeros(len(self._shell.flat((float(x), float(y)))))
+        whole[: len(state)] = state  # files of earlier versions have no whole turns of folds
         self._path.move_to(
             ShellState(
                 (float(x), float(y)),
-                np.asarray(saved["state"], dtype=np.float64),
+                whole,
                 float(saved["residual"]),
                 None if modes == NOT_COUNTED else modes,
             )

@@ -33,6 +33,8 @@ class ShellModel(Protocol):
 
     extra_dofs: int
     """Degrees of freedom behind the nodes' coordinates."""
+    fold_count: int
+    """Folds whose whole turns stand behind these; see `dshell.energies.whole_turns`."""
 
     def energies(self, stretch: StretchPair) -> Sequence[Energy]:
         """Return the energies at a prestretch, always on the same stencils."""
@@ -69,12 +71,18 @@ class SpecimenShell:
         self.specimen, self.mesh = specimen, mesh
         self._make_model, self._tolerance = make_model, tolerance
         self._held_nodes = choose_held_nodes(specimen, mesh)
-        self.held = held_coordinates(self._held_nodes)
 
     @cached_property
     def model(self) -> ShellModel:
         """The model."""
         return self._make_model(self.specimen)
+
+    @cached_property
+    def held(self) -> NDArray[np.int64]:
+        """Entries of the state that are no unknowns: held coordinates, and whole turns of folds."""
+        first_turn = 3 * len(self.mesh.points) + self.model.extra_dofs
+        turns = first_turn + np.arange(self.model.fold_count)
+        return np.concatenate([held_coordinates(self._held_nodes), turns])
 
     @property
     def least_force(self) -> float:
@@ -91,7 +99,7 @@ class SpecimenShell:
     def of(self, specimen: Specimen) -> "SpecimenShell":
         """Return another specimen on the same mesh, held at the same nodes."""
         other = SpecimenShell(specimen, self.mesh, self._make_model, self._tolerance)
-        other._held_nodes, other.held = self._held_nodes, self.held
+        other._held_nodes = self._held_nodes
         if specimen == self.specimen:
             other.model = self.model
         return other
@@ -110,7 +118,7 @@ class SpecimenShell:
     def masses(self, stretch: StretchPair) -> Array:
         """Return the mass behind each degree of freedom, kg; 0 behind those that are no nodes'."""
         masses = np.repeat(lumped_masses(self.specimen, self.mesh, stretch), 3)
-        return np.concatenate([masses, np.zeros(self.model.extra_dofs)])
+        return np.concatenate([masses, np.zeros(self.model.extra_dofs + self.model.fold_count)])
 
     def forces(self, stretch: StretchPair, state: Array) -> Array:
         """Return the residual force on every degree of freedom, N; 0 on those that are held."""
@@ -147,5 +155,7 @@ class SpecimenShell:
         return self._state_of(move_onto_held_points(surface, mesh.points, self._held_nodes))
 
     def _state_of(self, nodes: Array) -> Array:
-        """Return the state of nodes at (n, 3), m, with every other degree of freedom 0."""
-        return np.concatenate([nodes.reshape(-1), np.zeros(self.model.extra_dofs)])
+        """Return the state of nodes at (n, 3), m, with every other entry 0."""
+        return np.concatenate(
+            [nodes.reshape(-1), np.zeros(self.model.extra_dofs + self.model.fold_count)]
+        )

@@ -19,6 +19,7 @@ from scipy.sparse import csc_matrix
 
 from bilayer.errors import ComputationError
 from dshell.energies.assembly import Assembly, Energy, deform, gradient_of
+from dshell.energies.whole_turns import continue_turns
 from dshell.solve.linear_solver import LinearSolver, SingularMatrixError, best_linear_solver
 
 Array = NDArray[np.float64]
@@ -250,10 +251,16 @@ def _step(
     position = old.position.copy()
     coordinates = position.reshape(-1)
     coordinates[free] += h * old.velocity.reshape(-1)[free]
+    earlier = deform(energies, old.position)
     for iterations in range(rule.max_iterations + 1):
         velocity: Array = np.divide(position - old.position, h)
         momentum = masses * ((velocity - old.velocity) / h + body.damping_rate * velocity)
         deformed = deform(energies, position)
+        continued = continue_turns(earlier, deformed, coordinates)
+        if continued is not None:
+            coordinates[:] = continued
+            deformed = deform(energies, position)
+        earlier = deformed
         forces = momentum - load
         residual = (forces.reshape(-1) + gradient_of(deformed))[free]
         error = float(np.linalg.norm(residual))

@@ -22,6 +22,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
 from dshell.energies.assembly import Assembly, Energy, deform, energy_sums, gradient_of
+from dshell.energies.whole_turns import continue_turns
 from dshell.solve.linear_solver import (
     Factor,
     LinearSolver,
@@ -121,6 +122,14 @@ class Configuration:
     def error(self) -> float:
         """Norm of the residual force, N."""
         return float(np.linalg.norm(self.residual))
+
+    def moved(self, step: Array) -> "Configuration":
+        """Return the body after a step, (dofs,), m, over which its folds turn continuously."""
+        there = Configuration(self.body, self.state + step, self._assembly)
+        continued = continue_turns(self._deformed, there._deformed, there.state)
+        if continued is None:
+            return there
+        return Configuration(self.body, continued, self._assembly)
 
     def hessian(self) -> csc_matrix:
         """Return the second derivative by the free degrees of freedom, N/m."""
@@ -254,7 +263,7 @@ class EquilibriumSolver:
             except SingularMatrixError:
                 break
             step = _cap_step(self._step(factor, here.residual), limits.longest_step)
-            here = self.configure(body, here.state + step)
+            here = here.moved(step)
         return Outcome(here.state, converged, here.error, iteration)
 
     def unstable_modes(self, body: Body, state: Array) -> int:
@@ -302,7 +311,7 @@ class EquilibriumSolver:
         direction would look stiff and the next iteration would undo the step.
         """
         free = self.assembly.free
-        there = self.configure(here.body, here.state + step)
+        there = here.moved(step)
         inverse = SecantInverse(factor)
         for _ in range(limits.corrections):
             if not np.isfinite(there.energy) or there.error <= limits.tolerance:
@@ -318,7 +327,7 @@ class EquilibriumSolver:
     def _shorten_correction(self, here: Configuration, correction: Array) -> Configuration | None:
         """Return the body after the largest share of a correction that lowers the energy."""
         for share in CORRECTION_SHARES:
-            there = self.configure(here.body, here.state + share * correction)
+            there = here.moved(share * correction)
             noise = CORRECTION_NOISE * here.energy_scale
             change = there.energy - here.energy
             if change < -noise or (change <= noise and there.error < here.error):

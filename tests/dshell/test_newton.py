@@ -107,7 +107,7 @@ def test_a_capped_step_is_not_halved(pull):
 class GrownMiddle:
     """A flat lattice whose middle grows: flat it is in equilibrium, and unstable."""
 
-    extra_dofs = 0
+    extra_dofs = fold_count = 0
 
     def __init__(self, mesh):
         self._mesh = mesh
