@@ -12,7 +12,7 @@ from bilayer.results.files import open_result
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "compare", "compare two results on the same planar mesh",
+        verbs, run, "compare",
         "bilayer compare fenics.nc shell.nc -o comparison.png",
     )  # fmt: skip
     verb.add_argument("results", nargs=2, metavar="FILE.nc")

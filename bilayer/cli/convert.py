@@ -11,7 +11,7 @@ from bilayer.results.files import open_result
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "convert", "write the shapes for ParaView and others",
+        verbs, run, "convert",
         "bilayer convert result.nc -o shape.vtu",
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")

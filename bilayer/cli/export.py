@@ -4,10 +4,10 @@ import argparse
 from typing import Any
 
 from bilayer.calculix.deck import DeckSettings, write_decks
-from bilayer.cli.parser import (
+from bilayer.cli.parser import add_verb
+from bilayer.cli.specimen_arguments import (
     add_case_arguments,
     add_specimen_arguments,
-    add_verb,
     read_mesh_argument,
     read_specimen_argument,
 )
@@ -18,7 +18,6 @@ def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
         verbs, run, "export",
-        "write the specimen as Abaqus input decks, which CalculiX runs; one per prestretch",
         "bilayer export specimen.toml -o deck.inp --prestretch 1.06\n  ccx deck\n"
         "  bilayer import deck.frd specimen.toml --prestretch 1.06 -o ccx.nc",
     )  # fmt: skip

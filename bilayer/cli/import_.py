@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from bilayer.calculix.result import import_calculix
-from bilayer.cli.parser import (
+from bilayer.cli.parser import add_verb
+from bilayer.cli.specimen_arguments import (
     add_case_arguments,
     add_specimen_arguments,
-    add_verb,
     read_mesh_argument,
     read_specimen_argument,
 )
@@ -21,7 +21,7 @@ from bilayer.runtime.output_file import check_writable
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "import", "read what CalculiX made of exported decks; write it as NetCDF",
+        verbs, run, "import",
         "bilayer import deck_1.03.frd deck_1.06.frd specimen.toml -o ccx.nc",
     )  # fmt: skip
     verb.add_argument(

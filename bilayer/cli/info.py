@@ -16,7 +16,7 @@ from bilayer.solvers.rerun import solve_command
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "info", "say what made a result, and how far it can be trusted",
+        verbs, run, "info",
         "bilayer info fenics.nc",
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")

@@ -10,7 +10,7 @@ from bilayer.specimen.toml import template
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     add_verb(
-        verbs, run, "init", "print the paper's specimen as a commented template",
+        verbs, run, "init",
         "bilayer init > specimen.toml",
     )  # fmt: skip
 

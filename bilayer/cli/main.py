@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 from bilayer.cli.interrupted import tell_interruption
 from bilayer.cli.parser import Parser
-from bilayer.cli.verbs import VERBS
+from bilayer.cli.spare_pint import spare_pint
+from bilayer.cli.verbs import VERBS, load_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.ranks import abort_other_ranks, is_first_rank
 from bilayer.runtime.version import __version__
@@ -26,7 +27,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         The words after `bilayer`; those of the process if left out.
     """
-    options = _parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    options = _parser(words).parse_args(words)
     try:
         status = options.run(options)
         sys.stdout.flush()
@@ -58,7 +60,9 @@ def _fail(error: BaseException, options: argparse.Namespace, status: int) -> int
     return status
 
 
-def _parser() -> Parser:
+def _parser(words: Sequence[str]) -> Parser:
+    """Return the parser of a command: the verb that it calls has arguments, the others help."""
+    called = next((word for word in words if not word.startswith("-")), None)
     parser = Parser(
         prog="bilayer",
         description="The 3D shape that a flat kirigami bilayer takes on release.",
@@ -67,6 +71,11 @@ def _parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"bilayer {__version__}")
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    for verb in VERBS:
-        verb.add(verbs)
+    for name, text in VERBS.items():
+        if name == called:
+            verb = load_verb(name)
+            spare_pint()
+            verb.add(verbs)
+        else:
+            verbs.add_parser(name, help=text)
     return parser

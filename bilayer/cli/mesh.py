@@ -4,7 +4,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from bilayer.cli.parser import add_specimen_arguments, add_verb, read_specimen_argument
+from bilayer.cli.parser import add_verb
+from bilayer.cli.specimen_arguments import (
+    add_specimen_arguments,
+    read_specimen_argument,
+)
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import write_planar_mesh
 from bilayer.runtime.output_file import check_writable
@@ -13,7 +17,7 @@ from bilayer.runtime.output_file import check_writable
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "mesh", "mesh the flat disc; write the mesh, and its picture beside it",
+        verbs, run, "mesh",
         "bilayer mesh specimen.toml -o mesh.msh",
     )  # fmt: skip
     add_specimen_arguments(verb)

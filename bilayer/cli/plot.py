@@ -10,7 +10,7 @@ from bilayer.results.files import open_result
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "plot", "draw isometric and bird's-eye views per prestretch",
+        verbs, run, "plot",
         "bilayer plot fenics.nc -o shape.png",
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")

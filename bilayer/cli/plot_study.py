@@ -12,7 +12,7 @@ from bilayer.study.dataset import open_study
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "plot-study", "draw a quantity of a study over one of its fields",
+        verbs, run, "plot-study",
         "bilayer plot-study study --x cut.cutout_angle --y quality --hue cut.strips "
         "--prestretch 1.15 -o FIG.png",
     )  # fmt: skip

@@ -25,7 +25,7 @@ from bilayer.solvers.rerun import (
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "rerun", "compute a result again, and say whether the numbers agree",
+        verbs, run, "rerun",
         "bilayer rerun result.nc",
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")

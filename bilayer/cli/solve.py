@@ -5,10 +5,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bilayer.cli.parser import (
+from bilayer.cli.parser import add_verb
+from bilayer.cli.specimen_arguments import (
     add_case_arguments,
     add_specimen_arguments,
-    add_verb,
     read_mesh_argument,
     read_specimen_argument,
 )
@@ -27,7 +27,7 @@ from bilayer.specimen.settings import describe, settings_from, split_solver_sett
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "solve", "compute the released shapes; write them as NetCDF",
+        verbs, run, "solve",
         "bilayer solve specimen.toml --solver fenics -o fenics.nc --prestretch 1.03 1.06\n"
         "  mpirun -n 2 bilayer solve specimen.toml --solver fenics -o fenics.nc",
     )  # fmt: skip

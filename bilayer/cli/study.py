@@ -25,7 +25,7 @@ from bilayer.validation import whole
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
-        verbs, run, "study", "compute many specimens; a second start goes on where one ended",
+        verbs, run, "study",
         "bilayer study study.toml -o study --dry-run\n"
         "  bilayer study study.toml -o study --jobs 4\n"
         "  mpirun -n 8 bilayer study study.toml -o study --ranks-per-case 2",

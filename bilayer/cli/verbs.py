@@ -1,20 +1,30 @@
-"""The verbs of the command line, a module each: `add` its arguments, `run` it."""
+"""The verbs of the command line, each with its help in a line.
 
-from bilayer.cli import (
-    compare,
-    convert,
-    export,
-    import_,
-    info,
-    init,
-    mesh,
-    plot,
-    plot_study,
-    rerun,
-    solve,
-    study,
-)
+A verb is a module of its own: `add` its arguments, `run` it. The module is loaded when the verb is
+called, so that none waits for what another needs.
+"""
 
-VERBS = (init, mesh, solve, compare, plot, convert, export, import_, info, study, plot_study, rerun)
+import keyword
+from importlib import import_module
+from types import ModuleType
 
-__all__ = ["VERBS"]
+VERBS = {
+    "init": "print the paper's specimen as a commented template",
+    "mesh": "mesh the flat disc; write the mesh, and its picture beside it",
+    "solve": "compute the released shapes; write them as NetCDF",
+    "compare": "compare two results on the same planar mesh",
+    "plot": "draw isometric and bird's-eye views per prestretch",
+    "convert": "write the shapes for ParaView and others",
+    "export": "write the specimen as Abaqus input decks, which CalculiX runs; one per prestretch",
+    "import": "read what CalculiX made of exported decks; write it as NetCDF",
+    "info": "say what made a result, and how far it can be trusted",
+    "study": "compute many specimens; a second start goes on where one ended",
+    "plot-study": "draw a quantity of a study over one of its fields",
+    "rerun": "compute a result again, and say whether the numbers agree",
+}
+
+
+def load_verb(name: str) -> ModuleType:
+    """Return the module of a verb: `plot_study` of "plot-study", `import_` of "import"."""
+    module = name.replace("-", "_")
+    return import_module(f"bilayer.cli.{module}{'_' * keyword.iskeyword(module)}")

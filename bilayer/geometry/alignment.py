@@ -1,13 +1,18 @@
 """Rigid motions of a shape: onto corresponding points, onto three held ones; the rms distance."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
 
-def best_rotation(moving: Array, fixed: Array, weights: Array) -> Rotation:
+def best_rotation(moving: Array, fixed: Array, weights: Array) -> "Rotation":
     """Return the proper rotation about the centroids that brings `moving` nearest to `fixed`.
 
     It minimises sum w |fixed - R moving|^2 over centred points (Kabsch 1976; scipy's
@@ -20,7 +25,8 @@ def best_rotation(moving: Array, fixed: Array, weights: Array) -> Rotation:
     weights : (n,) array of float
         Weight of each pair, not negative.
     """
-    return Rotation.align_vectors(_centred(fixed, weights), _centred(moving, weights), weights)[0]
+    bodies = _centred(fixed, weights), _centred(moving, weights)
+    return scipy.spatial.transform.Rotation.align_vectors(*bodies, weights)[0]
 
 
 def align(moving: Array, fixed: Array, weights: Array) -> Array:

@@ -1,8 +1,8 @@
 """The way from a triangulated surface to points, exact on each of a few triangles nearby."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from bilayer.geometry.surface import Surface
 
@@ -23,7 +23,7 @@ class NearestPoint:
 
     def __init__(self, surface: Surface) -> None:
         self._corners = surface.corners
-        self._tree = KDTree(surface.samples)
+        self._tree = scipy.spatial.KDTree(surface.samples)
         self._candidates = min(CANDIDATES, len(surface.samples))
 
     def vectors_to(self, queries: Array) -> Array:

@@ -6,14 +6,17 @@ axis, the first strip's centre line, has been carried by the rotation of the bod
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from bilayer.geometry.alignment import best_rotation
 from bilayer.geometry.surface import Surface
 from bilayer.mesh.planar import PlanarMesh, flat_surface
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -82,7 +85,7 @@ def _apex_side(normal: Array, surface: Surface, origin: Array, rim: Array) -> fl
     return 1.0 if normal @ surface.area_vectors.sum(axis=0) >= 0 else -1.0
 
 
-def _whole_rotation(mesh: PlanarMesh, position: Array) -> Rotation:
+def _whole_rotation(mesh: PlanarMesh, position: Array) -> "Rotation":
     """Rotation that brings the flat state nearest to the deformed one, by flat areas."""
     flat = flat_surface(mesh)
     return best_rotation(flat.points, position, flat.node_areas)

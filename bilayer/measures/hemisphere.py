@@ -15,9 +15,8 @@ import math
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, minimize_scalar
-from scipy.spatial.transform import Rotation
 
 from bilayer.geometry.nearest_point import NearestPoint
 from bilayer.geometry.surface import Surface
@@ -61,7 +60,9 @@ def flat_disc_distance(flat_radius: float) -> float:
         from_hemisphere = a**2 / 3 - a * z + z**2
         return (from_disc + from_hemisphere) / 2
 
-    best = minimize_scalar(mean_square, bounds=(0.0, a), method="bounded", options={"xatol": 1e-9})
+    best = scipy.optimize.minimize_scalar(
+        mean_square, bounds=(0.0, a), method="bounded", options={"xatol": 1e-9}
+    )
     return flat_radius * math.sqrt(best.fun)
 
 
@@ -104,7 +105,7 @@ def _distance_at_best(surface: Surface) -> float:
     @lru_cache(maxsize=1)  # the residuals and their derivatives are asked for one after the other
     def residuals(*unknowns: float) -> tuple[Array, Array]:
         centre, (about_x, about_y) = np.array(unknowns[:3]), unknowns[3:]
-        turn = Rotation.from_euler("XY", [about_x, about_y])
+        turn = scipy.spatial.transform.Rotation.from_euler("XY", [about_x, about_y])
         axes = np.array([[1.0, 0, 0], [0, math.cos(about_x), math.sin(about_x)]])
         from_centre, around = surface.samples - centre, turn.apply(hemisphere)
         there = turn.apply(vectors_from_unit_hemisphere(turn.inv().apply(from_centre)))
@@ -117,7 +118,7 @@ def _distance_at_best(surface: Surface) -> float:
         return values, derivatives
 
     centroids_meet = surface.centroid - [0.0, 0.0, 0.5]
-    best = least_squares(
+    best = scipy.optimize.least_squares(
         lambda unknowns: residuals(*unknowns)[0],
         [*centroids_meet, 0.0, 0.0],
         lambda unknowns: residuals(*unknowns)[1],

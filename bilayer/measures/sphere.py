@@ -14,9 +14,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eig, null_space
-from scipy.optimize import least_squares, root
 
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
@@ -68,9 +67,13 @@ def fit_sphere(surface: Surface) -> Sphere:
     def slopes(unknowns: Array) -> Array:
         return root_weights[:, None] * _distance_slopes(points, *unknowns)
 
-    near = least_squares(residuals, start, slopes, method="lm", ftol=1e-12, xtol=1e-12).x
+    near = scipy.optimize.least_squares(
+        residuals, start, slopes, method="lm", ftol=1e-12, xtol=1e-12
+    ).x
     # round-off hides the least sum of squares within 1e-8; the zero of its gradient is sharp
-    best = root(lambda unknowns: slopes(unknowns).T @ residuals(unknowns), near, tol=1e-14).x
+    best = scipy.optimize.root(
+        lambda unknowns: slopes(unknowns).T @ residuals(unknowns), near, tol=1e-14
+    ).x
     curvature = abs(best[0]) / size
     return Sphere(
         radius=float(1 / curvature) if curvature > 0 else math.inf,
@@ -127,7 +130,7 @@ def _algebraic_fit(points: Array, weights: Array) -> tuple[Array, Array]:
     terms = np.column_stack([np.sum(points**2, axis=1), points, np.ones(len(points))])
     constraint = np.diag([0.0, 1.0, 1.0, 1.0, 0.0])
     constraint[0, 4] = constraint[4, 0] = -2.0
-    values, vectors = eig(terms.T @ (weights[:, None] * terms), constraint)
+    values, vectors = scipy.linalg.eig(terms.T @ (weights[:, None] * terms), constraint)
     values, vectors = values.real, vectors.real
     norms = np.einsum("ij,ik,kj->j", vectors, constraint, vectors)
     best = np.argmin(np.where(norms > 0, values, np.inf))
@@ -135,4 +138,4 @@ def _algebraic_fit(points: Array, weights: Array) -> tuple[Array, Array]:
     slope = float(np.linalg.norm(b))  # of the algebraic distance at the origin, 1 on the sphere
     normal = np.array(b) / slope
     start = np.array([2 * A, -2 * c / (1 + slope), 0.0, 0.0])
-    return start, np.vstack([null_space(normal[None]).T, normal])
+    return start, np.vstack([scipy.linalg.null_space(normal[None]).T, normal])

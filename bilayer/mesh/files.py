@@ -4,18 +4,21 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import meshio
 import numpy as np
 
 from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.output_file import HDF5_ROOM, whole_file
 
+if TYPE_CHECKING:
+    import meshio
+
 FORMATS = {".msh": "gmsh22"}
 """Formats of ambiguous endings: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
 
 
-def read_mesh_file(path: str | Path) -> meshio.Mesh:
+def read_mesh_file(path: str | Path) -> "meshio.Mesh":
     """Read a mesh file, the format told by its ending.
 
     Raises
@@ -23,6 +26,8 @@ def read_mesh_file(path: str | Path) -> meshio.Mesh:
     InputError
         The file is missing, of an unknown format, or not what its ending says.
     """
+    import meshio  # takes long to load, and few need it
+
     try:
         with _meshio_speaks_by_errors(path, "read"):
             return meshio.read(path)
@@ -30,7 +35,7 @@ def read_mesh_file(path: str | Path) -> meshio.Mesh:
         raise InputError(f"mesh file {path}: cannot be read ({error.strerror})") from error
 
 
-def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
+def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:
     """Write a mesh file, the format told by its ending; whole or not at all.
 
     Raises
@@ -40,6 +45,8 @@ def write_mesh_file(mesh: meshio.Mesh, path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
+    import meshio  # takes long to load, and few need it
+
     ending = Path(path).suffix
     if ending not in meshio.extension_to_filetypes:
         known = ", ".join(sorted(meshio.extension_to_filetypes))

@@ -8,18 +8,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import meshio
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
 from bilayer.mesh.files import read_mesh_file, write_mesh_file
 from bilayer.mesh.validity import check_points, check_region, check_sheet
 from bilayer.specimen.two_layers import TWO_LAYERS
+
+if TYPE_CHECKING:
+    import meshio
 
 PLANE_TOLERANCE = 1e-9
 """Range of z that a planar mesh in space may have, over its extent."""
@@ -102,8 +104,10 @@ class PlanarMesh:
         """
         nodes, ends = np.unique(self.boundary_edges, return_inverse=True)
         start, end = ends.reshape(-1, 2).T
-        pairs = coo_array((np.ones(len(start)), (start, end)), shape=(len(nodes), len(nodes)))
-        _, loop = connected_components(pairs, directed=False)
+        pairs = scipy.sparse.coo_array(
+            (np.ones(len(start)), (start, end)), shape=(len(nodes), len(nodes))
+        )
+        _, loop = scipy.sparse.csgraph.connected_components(pairs, directed=False)
         outermost = np.argmax(self.points[nodes, 0])
         return nodes[loop == loop[outermost]]
 
@@ -164,6 +168,8 @@ def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
+    import meshio  # takes long to load, and few need it
+
     cells = [("triangle", mesh.triangles)]
     points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     is_gmsh = Path(path).suffix == ".msh"
@@ -200,7 +206,7 @@ def read_planar_mesh(
         raise InputError(f"mesh file {path}: {error}") from error
 
 
-def _planar(data: meshio.Mesh, layer_sets: Sequence[frozenset[str]]) -> PlanarMesh:
+def _planar(data: "meshio.Mesh", layer_sets: Sequence[frozenset[str]]) -> PlanarMesh:
     triangles = data.get_cells_type("triangle")
     others = [block.type for block in data.cells if block.dim > 1 and block.type != "triangle"]
     if len(triangles) == 0 or others:

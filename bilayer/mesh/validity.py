@@ -6,9 +6,8 @@ first point, triangle or edge that fails.
 """
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from bilayer.errors import InputError
 
@@ -115,8 +114,8 @@ def _check_one_piece(triangles: Indices) -> None:
     count = len(triangles)
     edge = _numbers_of(np.sort(_directed_edges(triangles)))
     face = np.tile(np.arange(count), 3)
-    at_edge = coo_array((np.ones(len(face)), (face, edge))).tocsr()
-    pieces, piece = connected_components(at_edge @ at_edge.T, directed=False)
+    at_edge = scipy.sparse.coo_array((np.ones(len(face)), (face, edge))).tocsr()
+    pieces, piece = scipy.sparse.csgraph.connected_components(at_edge @ at_edge.T, directed=False)
     if pieces > 1:
         apart = int(np.argmax(piece != piece[0]))
         raise InputError(

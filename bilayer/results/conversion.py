@@ -8,8 +8,8 @@ is read from `volume_position` (prestretch, volume_node, xyz), `volume_reference
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import meshio
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from bilayer.mesh.files import write_mesh_file
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
+
+if TYPE_CHECKING:
+    import meshio
 
 
 def convert(
@@ -101,7 +104,7 @@ def _with_prestretches(path: Path, stretches: NDArray[np.float64]) -> list[Path]
     return [path.with_name(f"{path.stem}_{end}{path.suffix}") for end in ends]
 
 
-def _midsurface(shape: xr.Dataset) -> meshio.Mesh:
+def _midsurface(shape: xr.Dataset) -> "meshio.Mesh":
     return _mesh(
         shape["reference_position"].values,
         shape["position"].values,
@@ -110,7 +113,7 @@ def _midsurface(shape: xr.Dataset) -> meshio.Mesh:
     )
 
 
-def _volume(shape: xr.Dataset) -> meshio.Mesh:
+def _volume(shape: xr.Dataset) -> "meshio.Mesh":
     if "volume_position" not in shape:
         raise InputError(
             f"part = 'volume': this result of {shape.attrs['solver']} {shape.attrs['model']} has "
@@ -124,7 +127,7 @@ def _volume(shape: xr.Dataset) -> meshio.Mesh:
     )
 
 
-PARTS: dict[str, Callable[[xr.Dataset], meshio.Mesh]] = {
+PARTS: "dict[str, Callable[[xr.Dataset], meshio.Mesh]]" = {
     "midsurface": _midsurface,
     "volume": _volume,
 }
@@ -135,6 +138,8 @@ def _mesh(
     position: NDArray[np.float64],
     cells: tuple[str, NDArray[np.int64]],
     cell_data: dict[str, list[NDArray[np.int32]]],
-) -> meshio.Mesh:
+) -> "meshio.Mesh":
+    import meshio  # takes long to load, and few need it
+
     on_points = {"reference_position": reference, "displacement": position - reference}
     return meshio.Mesh(position, [cells], point_data=on_points, cell_data=cell_data)

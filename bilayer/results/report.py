@@ -9,7 +9,7 @@ import xarray as xr
 from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
-from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
+from bilayer.results.schema import NOT_MEASURED, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.specimen.layer import BondedLayer, Response
 from bilayer.specimen.materials import stability_warning
@@ -43,13 +43,13 @@ def result_table(result: xr.Dataset) -> str:
 def provenance(result: xr.Dataset) -> str:
     """Return the provenance of a result: solver, specimen, mesh, settings, versions; its table."""
     result = along_milestones(result)
-    specimen, mesh = result_specimen(result), result_mesh(result)
+    specimen = result_specimen(result)
     done = int(result["converged"].sum())
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
         f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
         *_layers(specimen),
-        f"mesh        {len(mesh.points)} nodes, {len(mesh.triangles)} triangles",
+        f"mesh        {result.sizes['node']} nodes, {result.sizes['face']} triangles",
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
         f"versions    {result.attrs['versions']}",
         f"git commit  {result.attrs['git_commit'] or 'unknown'}",

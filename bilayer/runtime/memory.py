@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-import psutil
-
 
 def ranks_of_this_machine(comm: Any) -> Any:
     """Return the communicator of the ranks that share this rank's memory."""
@@ -26,6 +24,8 @@ def available_memory(
     machine_of : callable
         Returns the communicator of the ranks on the same machine.
     """
+    import psutil
+
     here = int(psutil.virtual_memory().available)
     if comm is None or comm.Get_size() == 1:
         return here

@@ -5,8 +5,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from tqdm import tqdm
-
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
 
@@ -28,6 +26,8 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
     if shown and not sys.stderr.isatty():
         yield _lines(title)
         return
+    from tqdm import tqdm
+
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining} {postfix}"
     with tqdm(
         total=100,

@@ -4,6 +4,7 @@ From flat, a fine mesh takes as many Newton iterations as a coarse one, and each
 stiffness is indefinite on most of the way. From the shape on the coarse mesh it takes a few.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +26,12 @@ OTHER_CUT = 0.05
 Two meshes of 150 and more triangles with the same patterns disagree on less than 0.035."""
 
 
-def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarMesh | None:
+def coarse_mesh(
+    specimen: Specimen,
+    mesh: PlanarMesh,
+    triangles: int,
+    draw: Callable[[Specimen], PlanarMesh] = generate_mesh,
+) -> PlanarMesh | None:
     """Return a mesh of a specimen of about so many triangles, if a mesh is fine beside it.
 
     Parameters
@@ -36,6 +42,8 @@ def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarM
         The mesh that is to be started.
     triangles : int
         Of the coarse mesh, about; 0: none.
+    draw : callable
+        Makes the planar mesh of a specimen.
 
     Returns
     -------
@@ -47,7 +55,7 @@ def coarse_mesh(specimen: Specimen, mesh: PlanarMesh, triangles: int) -> PlanarM
         return None
     size = MeshSize(size_for(triangles, specimen.characteristic_length))
     try:
-        coarse = generate_mesh(replace(specimen, mesh=size))
+        coarse = draw(replace(specimen, mesh=size))
     except BilayerError:  # gmsh is not there, or it cannot draw strips so coarsely
         return None
     if len(mesh.triangles) <= GAIN / 2 * len(coarse.triangles):

@@ -38,8 +38,6 @@ Array = NDArray[np.float64]
 
 RAMP_SHARE_OF_TIME = 0.5
 """Share of the time in which the load grows."""
-ITERATIONS = 12
-"""Allowed in one time step; a step that needs more is halved."""
 AT_REST = 1e-6
 """Force out of balance at the end, over that of the flat state, that still counts as rest."""
 
@@ -63,11 +61,14 @@ class MotionLimits:
         The first one, s.
     damping_rate : float
         Drag per mass and velocity, 1/s.
+    iterations : int
+        Newton iterations allowed in one time step; a step that needs more is halved.
     """
 
     total_time: float
     time_step: float
     damping_rate: float
+    iterations: int = 12
 
 
 class DynamicPath(StaticPath[Load]):
@@ -110,7 +111,7 @@ class DynamicPath(StaticPath[Load]):
         start, body = self._here, self._problem.body(target)
         scale = self._force_scale(body, target)
         end = self._motion.total_time
-        rule = NewtonRule(self._limits.tolerance * scale, ITERATIONS)
+        rule = NewtonRule(self._limits.tolerance * scale, self._motion.iterations)
         stepping = AdaptiveStepping(self._motion.time_step, end, rule)
         still = Motion(0.0, start.state, np.zeros_like(start.state))
         try:

@@ -6,8 +6,8 @@ from contextlib import contextmanager
 
 import pytest
 
+from bilayer.cli import solve
 from bilayer.cli.main import main
-from bilayer.cli.verbs import solve
 from bilayer.results.files import open_result
 
 

@@ -9,10 +9,11 @@ from released_sheets import CORNER, CUT_SHEETS, R, pile_of, sheet_of
 
 from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.errors import ComputationError
+from bilayer.solvers.run import solve_with
 from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle
-from dshell import HingeSettings, MorleySettings, solver
-from dshell.release import coarse_start
+from dshell import SOLVER, HingeSettings, MorleySettings
 from dshell.release.coarse_start import coarse_mesh, prolong_shape
+from dshell.release.opening import CoarseStart, open_shell_path
 from dshell.release.specimen_path import ShellPath
 
 COARSE = 120
@@ -60,20 +61,23 @@ def test_later_milestones_start_from_the_first(fine_specimen, fine_mesh, release
     assert result.position.values[1] == pytest.approx(single.position.values[0], abs=1e-7)
 
 
-def test_a_start_that_leads_nowhere_is_left_for_flat(
-    fine_specimen, fine_mesh, released, monkeypatch
-):
+def test_a_start_that_leads_nowhere_is_left_for_flat(fine_specimen, fine_mesh, released):
     flat = released(MorleySettings, 0)
     noise = np.random.default_rng(0).normal(scale=0.02, size=(len(fine_mesh.points), 3))
-    monkeypatch.setattr(solver, "prolong_shape", lambda shape, coarse, fine: noise)
+    led_astray = CoarseStart(SOLVER, prolong=lambda shape, coarse, fine: noise)
     settings = MorleySettings(coarse_triangles=COARSE)
-    result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+
+    def open_astray(specimen, settings, *, mesh, **others):
+        return open_shell_path(specimen, settings, mesh, None, led_astray)
+
+    astray = replace(SOLVER, open_path=open_astray)
+    result = solve_with(astray, fine_specimen, settings, mesh=fine_mesh)
     assert result.converged.all()
     assert result.attrs["start"].startswith("flat, because what was to start it led nowhere: flat,")
     assert result.height.values == pytest.approx(flat.height.values, rel=1e-6)
 
 
-def test_a_coarse_one_is_drawn_for_a_fine_one_alone(fine_specimen, fine_mesh, monkeypatch):
+def test_a_coarse_one_is_drawn_for_a_fine_one_alone(fine_specimen, fine_mesh):
     coarse = coarse_mesh(fine_specimen, fine_mesh, COARSE)
     assert 0.5 * COARSE < len(coarse.triangles) < 2 * COARSE
     assert coarse_mesh(fine_specimen, fine_mesh, 0) is None
@@ -82,8 +86,7 @@ def test_a_coarse_one_is_drawn_for_a_fine_one_alone(fine_specimen, fine_mesh, mo
     def fails(specimen):
         raise ComputationError("no gmsh")
 
-    monkeypatch.setattr(coarse_start, "generate_mesh", fails)
-    assert coarse_mesh(fine_specimen, fine_mesh, COARSE) is None
+    assert coarse_mesh(fine_specimen, fine_mesh, COARSE, draw=fails) is None
 
 
 def turned(mesh, angle):

@@ -4,9 +4,16 @@ import numpy as np
 import pytest
 
 from bilayer import InputError, solve
+from bilayer.errors import ComputationError
 from bilayer.geometry.alignment import rms_distance
 from dshell import HingeSettings, MorleySettings
-from dshell.release import dynamic
+from dshell.models.hinge import HingeModel
+from dshell.models.morley import MorleyModel
+from dshell.release.branches import NextEquilibriumRule
+from dshell.release.dynamic import DynamicPath, MotionLimits
+from dshell.release.specimen_shell import SpecimenShell
+from dshell.release.static import StepLimits, equilibrium_solver
+from dshell.solve.linear_solver import best_linear_solver
 
 KINDS = pytest.mark.parametrize("kind", [MorleySettings, HingeSettings])
 
@@ -53,16 +60,27 @@ def test_bad_times_are_named(kind, values, message):
 
 
 @KINDS
-@pytest.mark.parametrize("method", ["static", "dynamic"])
-def test_where_it_diverges_what_was_reached_is_kept(
-    kind, method, coarse_specimen, coarse_mesh, monkeypatch
-):
+def test_where_it_diverges_what_was_reached_is_kept(kind, coarse_specimen, coarse_mesh):
     """No prestretch needs no iteration; more than that needs more than is allowed here."""
-    monkeypatch.setattr(dynamic, "ITERATIONS", 0)
     specimen = coarse_specimen.with_milestones([1.0, 1.06])
-    settings = kind(method=method, max_iterations=1, smallest_step=0.2)
+    settings = kind(max_iterations=1, smallest_step=0.2)
     result = solve(specimen, "dshell", settings, mesh=coarse_mesh)
     assert result.converged.values.tolist() == [1, 0]
     assert np.isfinite(result.position.values[0]).all()
     assert np.isfinite(result.last_position.values[1]).all()
     assert result.attrs["stop_reason"].startswith("stopped at prestretch 1: Newton")
+
+
+@pytest.mark.parametrize("model", [lambda *case: MorleyModel(*case, MorleySettings()), HingeModel])
+def test_a_motion_that_diverges_keeps_what_was_reached(model, coarse_specimen, coarse_mesh):
+    shell = SpecimenShell(
+        coarse_specimen, coarse_mesh, lambda specimen: model(specimen, coarse_mesh), 1e-8
+    )
+    solver = equilibrium_solver(shell, best_linear_solver())
+    motion = MotionLimits(20.0, 0.01, 10.0, iterations=0)
+    limits = StepLimits(1e-8, 200, 0.02)
+    path = DynamicPath(shell, motion, limits, solver, NextEquilibriumRule(solver))
+    (still,) = [state for state in path.approach((1.0, 1.0)) if state.share == 1]
+    with pytest.raises(ComputationError, match="Newton"):
+        list(path.approach((1.06, 1.06)))
+    assert path.stopped().state == pytest.approx(still.state, abs=1e-12)

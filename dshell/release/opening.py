@@ -1,0 +1,147 @@
+"""The opening of a shell's load path, flat or at a start, from a specimen and settings."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import xarray as xr
+
+from bilayer.errors import InputError
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.schema import result_mesh
+from bilayer.results.starting import FLAT_START, describe_run, describe_start, starting_shape
+from bilayer.runtime.progress import Progress
+from bilayer.solvers.contract import Solver, SpecimenPath, Start
+from bilayer.solvers.run import solve_with
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
+from bilayer.specimen.specimen import Specimen
+from dshell.models.hinge import HingeModel
+from dshell.models.morley import MorleyModel
+from dshell.release.branches import BRANCH_RULES
+from dshell.release.coarse_start import Array, coarse_mesh, prolong_shape
+from dshell.release.dynamic import DynamicPath, MotionLimits
+from dshell.release.paper import PaperPath
+from dshell.release.specimen_path import Begin, Beginning, ShellPath
+from dshell.release.specimen_shell import ShellModel, SpecimenShell
+from dshell.release.static import StaticPath, StepLimits, equilibrium_solver
+from dshell.settings import MorleySettings, PaperSettings, ReleaseSettings
+from dshell.solve.linear_solver import best_linear_solver
+
+MakeModel = Callable[[Specimen], ShellModel]
+Prolong = Callable[[Array, PlanarMesh, PlanarMesh], Array]
+"""Takes a shape on a coarse mesh, that mesh and a fine one; returns the shape on the fine one."""
+
+
+@dataclass(frozen=True)
+class CoarseStart:
+    """The start of a fine mesh from the shape on a coarse one.
+
+    Parameters
+    ----------
+    solver : Solver
+        Finds the shape on the coarse mesh.
+    progress : callable, optional
+        Told of a coarse mesh that comes first.
+    prolong : callable
+        Takes the shape to the fine mesh.
+    """
+
+    solver: Solver
+    progress: Progress | None = None
+    prolong: Prolong = prolong_shape
+
+    def beginning(
+        self,
+        specimen: Specimen,
+        mesh: PlanarMesh,
+        settings: ReleaseSettings,
+        target: StretchPair,
+    ) -> Beginning:
+        """Return the shape on a coarse mesh, or none, that leads to the first target."""
+        coarse = self._result(specimen.with_milestones([target]), mesh, settings)
+        if coarse is None:
+            return Beginning(None, FLAT_START)
+        if not coarse["converged"].all():
+            return Beginning(
+                None, f"{FLAT_START}, because on a coarse mesh it {coarse.attrs['stop_reason']}"
+            )
+        shape = self.prolong(coarse["position"].values[0], result_mesh(coarse), mesh)
+        return Beginning(shape, f"{FLAT_START}, on a coarse mesh first: {describe_run(coarse)}")
+
+    def _result(
+        self, specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings
+    ) -> xr.Dataset | None:
+        """Return the result on a coarse mesh if the mesh is fine and the settings ask for it."""
+        if settings.method != "static":
+            return None
+        coarse = coarse_mesh(specimen, mesh, settings.coarse_triangles)
+        if coarse is None:
+            return None
+        if self.progress is not None:
+            self.progress(0.0, f"a coarse mesh of {len(coarse.triangles)} triangles first")
+        return solve_with(self.solver, specimen, settings, mesh=coarse)
+
+
+def open_shell_path(
+    specimen: Specimen,
+    settings: ReleaseSettings | PaperSettings,
+    mesh: PlanarMesh,
+    start: Start,
+    coarse: CoarseStart,
+) -> SpecimenPath:
+    """Return the load path of a specimen's shell; see `dshell.solver.open_path`.
+
+    Parameters
+    ----------
+    specimen, settings, mesh, start
+        As for `dshell.solver.open_path`.
+    coarse : CoarseStart
+        Finds the shape on a coarse mesh, if there is no other start.
+    """
+    if isinstance(settings, PaperSettings):
+        if start is not None:
+            raise InputError(
+                "start = a result: the paper's model runs each milestone from flat, expected none"
+            )
+        return PaperPath(specimen, mesh, settings)
+    made = start(mesh) if callable(start) else start
+    if made is None:
+        begin = partial(coarse.beginning, specimen, mesh, settings)
+    else:
+        starting_shape(made, mesh, UNSTRETCHED)  # raises now if it does not fit
+        begin = partial(_led_by, made, mesh)
+    return _shell_path(specimen, mesh, settings, begin)
+
+
+def _shell_path(
+    specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings, begin: Begin
+) -> ShellPath:
+    shell = SpecimenShell(specimen, mesh, _model_maker(mesh, settings), settings.tolerance)
+    solver = equilibrium_solver(shell, best_linear_solver())
+    branch = BRANCH_RULES[settings.branch](solver, shell.escape)
+    limits = StepLimits(
+        settings.tolerance,
+        settings.max_iterations,
+        settings.longest_step * specimen.characteristic_length,
+        settings.ramp,
+        settings.smallest_step,
+    )
+    path: StaticPath[StretchPair]
+    if settings.method == "dynamic":
+        motion = MotionLimits(settings.total_time, settings.time_step, settings.damping_rate)
+        path = DynamicPath(shell, motion, limits, solver, branch)
+    else:
+        path = StaticPath(shell, limits, solver, branch)
+    return ShellPath(shell, solver, path, begin)
+
+
+def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
+    """Return a function that makes the model of a specimen."""
+    if isinstance(settings, MorleySettings):
+        return lambda specimen: MorleyModel(specimen, mesh, settings)
+    return partial(HingeModel, mesh=mesh)
+
+
+def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: StretchPair) -> Beginning:
+    """Return the shape of another result that leads to the first target."""
+    return Beginning(starting_shape(start, mesh, target), describe_start(start))
