@@ -43,7 +43,14 @@ if TYPE_CHECKING:
         register_law,
     )
     from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
-    from bilayer.specimen.pattern import Cross, CutPattern, Polygons, SectorProfile
+    from bilayer.specimen.pattern import (
+        Contours,
+        Cross,
+        CutPattern,
+        Pattern,
+        Polygons,
+        SectorProfile,
+    )
     from bilayer.specimen.prestretch import Prestretch
     from bilayer.specimen.specimen import MeshSize, Specimen
     from bilayer.specimen.toml import (
@@ -93,7 +100,14 @@ _MODULES = {
     ),
     "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
     "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
-    "bilayer.specimen.pattern": ("Cross", "CutPattern", "Polygons", "SectorProfile"),
+    "bilayer.specimen.pattern": (
+        "Contours",
+        "Cross",
+        "CutPattern",
+        "Pattern",
+        "Polygons",
+        "SectorProfile",
+    ),
     "bilayer.specimen.prestretch": ("Prestretch",),
     "bilayer.specimen.specimen": ("MeshSize", "Specimen"),
     "bilayer.specimen.toml": (

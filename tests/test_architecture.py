@@ -16,6 +16,7 @@ FLOORS = {
         ["errors"],
         ["validation"],
         ["runtime"],
+        ["drawings"],
         ["specimen"],
         ["geometry"],
         ["mesh"],

@@ -150,8 +150,12 @@ def _material(data: Tables, where: str, name: Any) -> tuple[Law, Any]:
 
 
 def _pattern(data: Tables, where: str, name: Any) -> Pattern:
-    table = _referred(data, "patterns", f"{where}.pattern", name)
-    pattern: Pattern = _built(f"patterns.{name}", "kind", PATTERNS, table)
+    """Return the pattern of a table [patterns.NAME], or of one that stands in the layer."""
+    if isinstance(name, Mapping):
+        pattern: Pattern = _built(f"{where}.pattern", "kind", PATTERNS, name)
+    else:
+        table = _referred(data, "patterns", f"{where}.pattern", name)
+        pattern = _built(f"patterns.{name}", "kind", PATTERNS, table)
     return pattern
 
 

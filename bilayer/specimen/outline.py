@@ -333,3 +333,10 @@ def ring(field: str, points: Iterable[Sequence[float]]) -> Ring:
         why = shapely.is_valid_reason(shapely.Polygon(corners))
         raise InputError(f"{field}: expected a ring that does not cross itself ({why})")
     return tuple(corners)
+
+
+def rings_of(region: shapely.Geometry) -> list[list[tuple[float, float]]]:
+    """Return the corners of all edges of a region, each once, m; of each piece the outer first."""
+    pieces = [piece for piece in getattr(region, "geoms", [region]) if piece.area > 0]
+    edges = [edge for piece in pieces for edge in (piece.exterior, *piece.interiors)]
+    return [[(float(x), float(y)) for x, y, *_ in edge.coords[:-1]] for edge in edges]

@@ -14,8 +14,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from bilayer.drawings.contours import even_odd, place
 from bilayer.errors import InputError
-from bilayer.specimen.outline import Disc, Outline, Ring, Symmetry, arc, ring
+from bilayer.specimen.outline import Disc, Outline, Ring, Symmetry, arc, ring, rings_of
 from bilayer.validation import finite, keep, listed, not_negative, one_of, positive, whole
 
 KEPT_OR_CUT = ("kept", "cut")
@@ -46,6 +47,28 @@ class Pattern(Protocol):
     def identity(self) -> str:
         """A text that two patterns share if they are the same."""
         return repr(self)
+
+    @staticmethod
+    def from_geometry(geometry: shapely.Geometry, what: str = "kept") -> "Contours":
+        """Return the pattern that keeps, or cuts, a geometry of shapely.
+
+        Parameters
+        ----------
+        geometry : Polygon or MultiPolygon
+            m.
+        what : {"kept", "cut"}
+            What it is.
+
+        Examples
+        --------
+        >>> import shapely
+        >>> ring = shapely.Point(0, 0).buffer(0.03) - shapely.Point(0, 0).buffer(0.02)
+        >>> Pattern.from_geometry(ring).words
+        '2 contours kept'
+        """
+        if not isinstance(geometry, (shapely.Polygon, shapely.MultiPolygon)) or geometry.is_empty:
+            raise InputError(f"geometry = {geometry}: expected a Polygon or MultiPolygon")
+        return Contours(tuple(map(tuple, rings_of(geometry))), what)
 
 
 @dataclass(frozen=True)
@@ -230,6 +253,61 @@ class Polygons(Pattern):
 
 
 @dataclass(frozen=True)
+class Contours(Pattern):
+    """What lies within an odd number of closed contours, as what is kept or as what is cut.
+
+    A contour within another is a hole of it, one within the hole an island.
+
+    Parameters
+    ----------
+    contours : sequence of sequence of (float, float)
+        Points of each, m; they do not cross each other.
+    what : {"kept", "cut"}
+        What they bound.
+    """
+
+    contours: tuple[Ring, ...]
+    what: str = "kept"
+
+    def __post_init__(self) -> None:
+        given = listed("contours", self.contours)
+        if not given:
+            raise InputError("contours = []: expected at least one")
+        rings = tuple(ring(f"contours[{k}]", points) for k, points in enumerate(given))
+        object.__setattr__(self, "contours", rings)
+        keep(self, one_of, "what", choices=KEPT_OR_CUT)
+
+    @cached_property
+    def _region(self) -> shapely.Geometry:
+        return even_odd([np.array(points) for points in self.contours])
+
+    def kept(self, outline: Outline) -> shapely.Geometry:  # noqa: D102
+        if self.what == "kept":
+            return shapely.intersection(outline.polygon, self._region)
+        return shapely.difference(outline.polygon, self._region)
+
+    def check_fit(self, outline: Outline) -> None:
+        """Raise InputError unless each contour lies on the sheet, at least in part."""
+        for points in self.contours:
+            if not shapely.intersects(outline.polygon, shapely.Polygon(points)):
+                x, y = np.mean(points, axis=0)
+                raise InputError(
+                    f"contours: one lies outside of the sheet, around {place((x, y))}, expected "
+                    "all of them on it"
+                )
+        super().check_fit(outline)
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """None is looked for."""
+        return Symmetry(1, False)
+
+    @property
+    def words(self) -> str:  # noqa: D102
+        return f"{len(self.contours)} contours {self.what}"
+
+
+@dataclass(frozen=True)
 class Cross(Pattern):
     """Two bars that cross at the origin, kept; the layer is cut away between them.
 
@@ -279,6 +357,7 @@ PATTERNS: dict[str, type] = {
     "sectors": CutPattern,
     "sector-profile": SectorProfile,
     "polygons": Polygons,
+    "contours": Contours,
     "cross": Cross,
 }
 """By the name of the kind in a specimen file."""

@@ -14,6 +14,7 @@ from typing import Any
 import tomli_w
 
 from bilayer.errors import InputError
+from bilayer.specimen.drawn import with_drawings
 from bilayer.specimen.long_form import LONG_TABLES, sheet_from_tables, sheet_to_tables
 from bilayer.specimen.overrides import with_overrides
 from bilayer.specimen.short_form import (
@@ -61,18 +62,23 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text file"
         raise InputError(f"specimen file {path}: cannot be read ({reason})") from error
-    return parse_specimen_file(text, overrides, source=str(path))
+    return parse_specimen_file(text, overrides, str(path), Path(path).parent)
 
 
 def parse_specimen_file(
-    text: str, overrides: Iterable[str] = (), source: str = "specimen text"
+    text: str,
+    overrides: Iterable[str] = (),
+    source: str = "specimen text",
+    folder: Path | None = None,
 ) -> Specimen:
     """Read a specimen from the text of a user's file; see `read_specimen`.
+
+    Drawings that it names lie in `folder`; without one it may name none.
 
     Unlike `parse_specimen` it asks, by an InputError, whether the unit is meant if a sheet of
     more than a metre or less than 0.1 mm is written without one.
     """
-    data = _tables(text, overrides, source)
+    data = with_drawings(_tables(text, overrides, source), folder)
     specimen = specimen_from_tables(data)
     x, y, far_x, far_y = specimen.outline.polygon.bounds
     width, height = far_x - x, far_y - y
@@ -91,7 +97,7 @@ def parse_specimen(
     text: str, overrides: Iterable[str] = (), source: str = "specimen text"
 ) -> Specimen:
     """Read a specimen from TOML text; see `read_specimen`."""
-    return specimen_from_tables(_tables(text, overrides, source))
+    return specimen_from_tables(with_drawings(_tables(text, overrides, source), None))
 
 
 def specimen_from_tables(data: Mapping[str, Any]) -> Specimen:

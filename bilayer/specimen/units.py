@@ -15,7 +15,8 @@ from bilayer.errors import ComputationError, InputError
 UNITS: dict[str, str] = {
     **dict.fromkeys(
         ("outer_radius", "inner_radius", "corner_radius", "radii", "width", "height", "points",
-         "holes", "polygons", "arm_width", "arm_length", "thickness", "size", "corner_size"), "m",
+         "holes", "polygons", "contours", "arm_width", "arm_length", "thickness", "size",
+         "corner_size"), "m",
     ),
     **dict.fromkeys(("angle", "cutout_angle", "half_angles"), "rad"),
     "density": "kg/m^3",

@@ -62,12 +62,13 @@ def read_study(path: str | Path) -> StudyPlan:
     specimen_file = tables.get("specimen")
     if not isinstance(specimen_file, str):
         raise InputError(f"study file {path}: specimen = {specimen_file!r}: expected a file name")
-    specimen_text = _text(Path(path).parent / specimen_file, "specimen file")
+    specimen_path = Path(path).parent / specimen_file
+    specimen_text = _text(specimen_path, "specimen file")
     solvers = _solvers(tables.get("solver"))
     settings = _settings_tables(tables.get("settings", {}), solvers)
     varied = _varied_rows(tables)
     _check_fields(varied[0], solvers)
-    return make_plan(specimen_text, solvers, settings, varied)
+    return make_plan(specimen_text, solvers, settings, varied, specimen_path.parent)
 
 
 def make_plan(
@@ -75,6 +76,7 @@ def make_plan(
     solvers: Sequence[str],
     settings: Mapping[str, Mapping[str, Any]],
     rows: Sequence[Row],
+    folder: Path | None = None,
 ) -> StudyPlan:
     """Return the plan of some rows of values, each with every solver.
 
@@ -88,6 +90,8 @@ def make_plan(
         For each solver a table of its `model` and settings, as far as they are not the defaults.
     rows : sequence of dict
         Values by dotted name, the same names in each.
+    folder : Path, optional
+        Where the drawings lie that the specimen names.
     """
     cases: dict[str, Case] = {}
     complaints = []
@@ -96,7 +100,8 @@ def make_plan(
     ):
         own = {name: value for name, value in values.items() if _concerns(name, solver)}
         try:
-            case = _case(specimen_text, solver, settings.get(solver, {}), own, milestones)
+            chosen = settings.get(solver, {})
+            case = _case(specimen_text, solver, chosen, own, milestones, folder)
         except InputError as error:
             words = ", ".join(f"{name} = {value}" for name, value in own.items())
             complaints.append(f"case {number} ({words or solver}): {error}")
@@ -197,6 +202,7 @@ def _case(
     settings: Mapping[str, Any],
     values: Row,
     milestones: list[Any],
+    folder: Path | None,
 ) -> Case:
     prefix = f"settings.{solver}."
     chosen = dict(settings)
@@ -208,7 +214,7 @@ def _case(
             overrides.append(f"{name}={json.dumps(value)}")
     if milestones:
         overrides.append(f"{MILESTONES_FIELD}={json.dumps(_ascending(milestones))}")
-    specimen = parse_specimen_file(specimen_text, overrides, source="the study's specimen")
+    specimen = parse_specimen_file(specimen_text, overrides, "the study's specimen", folder)
     model = chosen.pop("model", next(iter(solver_named(solver).models)))
     kind: Any = settings_class(solver, model)
     return Case(specimen, solver, model, settings_from(kind, chosen), values)

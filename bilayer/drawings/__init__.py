@@ -1,0 +1,1 @@
+"""Drawings and images of cuts, read into closed contours in metres."""

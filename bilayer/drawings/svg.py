@@ -1,0 +1,200 @@
+"""Drawings in SVG, by svgelements: transforms, groups and `use` applied, curves flattened."""
+
+import io
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.drawings.lines import Curve, Line, Points, flattened
+from bilayer.drawings.packages import package
+from bilayer.errors import InputError
+
+NAMESPACE = "{http://www.w3.org/2000/svg}"
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+GROUPS = "data-groups"
+"""The attribute in which an element is given the names of the groups around it."""
+SEPARATOR = "\u241f"
+LENGTHS = {
+    "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3,
+}  # fmt: skip
+"""m. A pixel is not among them: 1/96 inch by CSS, 1/72 for some programs."""
+
+
+class SvgDocument:
+    """An SVG file; see `bilayer.drawings.lines.Document`.
+
+    Its unit is that of the user coordinates: width and height over the size of the viewBox.
+
+    Raises
+    ------
+    InputError
+        It cannot be read.
+    """
+
+    how_to_tell = (
+        "the file has no width in mm, cm or in beside a viewBox: expected unit = 'mm' or another, "
+        "or dpi = 96 (Inkscape, browsers) or 72 (Illustrator)"
+    )
+
+    def __init__(self, path: Path) -> None:
+        self._svgelements = package("svgelements")
+        try:
+            root = ElementTree.fromstring(path.read_bytes())
+        except (OSError, ElementTree.ParseError, ValueError, LookupError) as error:
+            reason = getattr(error, "strerror", None) or f"not an SVG file: {error}"
+            raise InputError(f"drawing = {str(path)!r}: cannot be read ({reason})") from error
+        if root.tag != f"{NAMESPACE}svg":
+            raise InputError(
+                f"drawing = {str(path)!r}: cannot be read (not an SVG file: its root is {root.tag})"
+            )
+        self._box = _view_box(root)
+        self.unit = _unit(root, self._box)
+        _name_groups(root, ())
+        self._root = root
+
+    def lines(self, tolerance: float) -> list[Line]:  # noqa: D102
+        found = []
+        for shape in self._shapes():
+            layers, colour = _layers(shape), _colour(shape)
+            matrix = shape.transform
+            if isinstance(shape, self._svgelements.Path):
+                path = shape
+            else:
+                path = self._svgelements.Path(shape.segments(transformed=False))
+            for part in path.as_subpaths():
+                points, closed = _subpath(self._svgelements, list(part), matrix, tolerance)
+                if len(points) > 1:
+                    found.append(Line(points, closed, layers, colour))
+        return found
+
+    def upright(self, points: Points) -> Points:  # noqa: D102
+        if self._box is None:
+            return points * [1, -1]
+        x, y, _, height = self._box
+        return np.column_stack([points[:, 0] - x, y + height - points[:, 1]])
+
+    def _shapes(self) -> list[Any]:
+        """Return all that is drawn, in user coordinates: without the viewBox' transform."""
+        for name in ("width", "height", "viewBox", "preserveAspectRatio"):
+            self._root.attrib.pop(name, None)
+        text = io.BytesIO(ElementTree.tostring(self._root))
+        try:
+            svg = self._svgelements.SVG.parse(text, reify=False)
+            shapes = list(svg.select(lambda e: isinstance(e, self._svgelements.Shape)))
+        except (ValueError, TypeError, IndexError, AttributeError, KeyError) as error:
+            raise InputError(f"drawing: an element cannot be read ({error})") from error
+        return [shape for shape in shapes if not _is_hidden(shape)]
+
+
+def _subpath(
+    svgelements: Any, segments: list[Any], matrix: Any, tolerance: float
+) -> tuple[Points, bool]:
+    """Return the points of a subpath in user coordinates, and whether it is closed."""
+    pieces: list[Points] = []
+    closed = False
+    for segment in segments:
+        if isinstance(segment, svgelements.Move):
+            pieces.append(_moved(matrix, [segment.end]))
+        elif isinstance(segment, svgelements.Close):
+            closed = True
+        elif isinstance(segment, svgelements.Line):
+            pieces.append(_moved(matrix, [segment.end]))
+        else:
+            curve = _curve(svgelements, segment)
+            moved = partial(_mapped, matrix, curve)
+            pieces.append(flattened(moved, [0.0, 1.0], tolerance)[1:])
+    points = np.concatenate(pieces) if pieces else np.empty((0, 2))
+    if len(points) > 2 and np.linalg.norm(points[0] - points[-1]) <= tolerance:
+        points, closed = points[:-1], True
+    return points, closed
+
+
+def _curve(svgelements: Any, segment: Any) -> Curve:
+    """Return the points of an arc or a Bezier curve at parameters from 0 to 1."""
+    if isinstance(segment, svgelements.Arc):
+        centre, first, sweep = segment.center, segment.get_start_t(), segment.sweep
+        axes = np.array([(p.x - centre.x, p.y - centre.y) for p in (segment.prx, segment.pry)])
+
+        def ellipse(t: NDArray[np.float64]) -> Points:
+            at = first + sweep * t
+            return np.array([centre.x, centre.y]) + np.column_stack([np.cos(at), np.sin(at)]) @ axes
+
+        return ellipse
+    controls = np.array([(point.x, point.y) for point in segment])
+    degree = len(controls) - 1
+
+    def bezier(t: NDArray[np.float64]) -> Points:
+        weights = [math.comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)]
+        return np.column_stack(weights) @ controls
+
+    return bezier
+
+
+def _moved(matrix: Any, points: list[Any]) -> Points:
+    return _mapped(matrix, lambda _: np.array([(point.x, point.y) for point in points]), None)
+
+
+def _mapped(matrix: Any, curve: Curve, t: Any) -> Points:
+    """Return points of a curve in user coordinates."""
+    linear = np.array([[matrix.a, matrix.b], [matrix.c, matrix.d]], dtype=float)
+    return np.asarray(curve(t) @ linear + [float(matrix.e), float(matrix.f)])
+
+
+def _name_groups(element: ElementTree.Element, names: tuple[str, ...]) -> None:
+    """Give each element the labels (Inkscape) and ids of all groups around it, and its own."""
+    own = (element.get(LABEL), element.get("id"))
+    if element.tag != f"{NAMESPACE}svg":
+        names = (*names, *(name for name in own if name))
+    element.set(GROUPS, SEPARATOR.join(names))
+    for child in element:
+        _name_groups(child, names)
+
+
+def _layers(shape: Any) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(filter(None, shape.values.get(GROUPS, "").split(SEPARATOR))))
+
+
+def _colour(shape: Any) -> str:
+    """Return the colour of the stroke, or else of the fill."""
+    for paint in (shape.stroke, shape.fill):
+        if paint is not None and paint.value is not None:
+            return str(paint.hexrgb)
+    return ""
+
+
+def _is_hidden(shape: Any) -> bool:
+    values = shape.values
+    return values.get("display") == "none" or values.get("visibility") in ("hidden", "collapse")
+
+
+def _view_box(root: ElementTree.Element) -> tuple[float, float, float, float] | None:
+    numbers = re.split(r"[\s,]+", root.get("viewBox", "").strip())
+    try:
+        x, y, width, height = (float(number) for number in numbers)
+    except ValueError:
+        return None
+    return (x, y, width, height) if width > 0 and height > 0 else None
+
+
+def _unit(root: ElementTree.Element, box: tuple[float, float, float, float] | None) -> float | None:
+    """Return one user unit, m, where width or height and the viewBox say it."""
+    if box is None:
+        return None
+    sizes = zip((root.get("width"), root.get("height")), box[2:], strict=True)
+    scales = [size / extent for text, extent in sizes if (size := _length(text)) is not None]
+    return min(scales, default=None)  # preserveAspectRatio: all of the box is seen
+
+
+def _length(text: str | None) -> float | None:
+    parts = re.fullmatch(r"\s*([-+.\deE]+?)\s*(mm|cm|in|pt|pc|q)\s*", text or "", re.IGNORECASE)
+    try:
+        size = float(parts[1]) * LENGTHS[parts[2].lower()] if parts else math.nan
+    except ValueError:
+        return None
+    return size if math.isfinite(size) and size > 0 else None

@@ -1,0 +1,411 @@
+"""Drawings read into contours: areas and moments of closed forms, and places of what is wrong."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+import bilayer
+from bilayer.drawings.contours import even_odd
+from bilayer.drawings.source import DrawingSource
+from bilayer.errors import InputError
+
+ezdxf = pytest.importorskip("ezdxf")
+pytest.importorskip("svgelements")
+
+MM = 1e-3
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" '
+    'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
+    'xmlns:xlink="http://www.w3.org/1999/xlink" {size}>{content}</svg>'
+)
+PAGE = 'width="100mm" height="80mm" viewBox="0 0 100 80"'
+
+
+def moments(region: shapely.Geometry) -> np.ndarray:
+    """Area, first moments and second moments about the origin, in units of mm."""
+    total = np.zeros(6)
+    for piece in getattr(region, "geoms", [region]):
+        oriented = shapely.geometry.polygon.orient(piece)
+        for edge in (oriented.exterior, *oriented.interiors):
+            x, y = np.asarray(edge.coords)[:, :2].T / MM
+            cross = x[:-1] * y[1:] - x[1:] * y[:-1]
+            sx, sy = x[:-1] + x[1:], y[:-1] + y[1:]
+            xx = x[:-1] ** 2 + x[:-1] * x[1:] + x[1:] ** 2
+            yy = y[:-1] ** 2 + y[:-1] * y[1:] + y[1:] ** 2
+            xy = 2 * (x[:-1] * y[:-1] + x[1:] * y[1:]) + x[:-1] * y[1:] + x[1:] * y[:-1]
+            parts = [cross / 2, cross * sx / 6, cross * sy / 6]
+            parts += [cross * xx / 12, cross * yy / 12, cross * xy / 24]
+            total += [part.sum() for part in parts]
+    return total
+
+
+def ellipse(x: float, y: float, a: float, b: float, angle: float = 0.0) -> np.ndarray:
+    """The same moments of an ellipse, by closed form."""
+    c, s = math.cos(angle), math.sin(angle)
+    area = math.pi * a * b
+    own_xx, own_yy = (a * c) ** 2 + (b * s) ** 2, (a * s) ** 2 + (b * c) ** 2
+    own_xy = (a * a - b * b) * c * s
+    return area * np.array(
+        [1, x, y, own_xx / 4 + x * x, own_yy / 4 + y * y, own_xy / 4 + x * y], dtype=float
+    )
+
+
+def box(x0: float, y0: float, x1: float, y1: float) -> np.ndarray:
+    """The same moments of a rectangle."""
+    w, h = x1 - x0, y1 - y0
+    x, y = (x0 + x1) / 2, (y0 + y1) / 2
+    return w * h * np.array([1, x, y, w * w / 12 + x * x, h * h / 12 + y * y, x * y])
+
+
+def dxf(path: Path, version: str, unit: int, draw) -> Path:
+    document = ezdxf.new(version)
+    document.header["$INSUNITS"] = unit
+    document.layers.add("cut", color=1)
+    document.layers.add("outline", color=3)
+    draw(document, document.modelspace())
+    document.saveas(path)
+    return path
+
+
+def svg(path: Path, content: str, size: str = PAGE) -> Path:
+    path.write_text(SVG.format(size=size, content=content), encoding="utf-8")
+    return path
+
+
+ON_CUT = {"layer": "cut"}
+
+
+def dxf_circle(document, space):
+    space.add_circle((12, -5), 7, dxfattribs=ON_CUT)
+
+
+def dxf_bulges(document, space):
+    # a stadium: two lines of 20 mm, two half circles of radius 5 mm
+    points = [(0, 0, 0), (20, 0, 1), (20, 10, 0), (0, 10, 1)]
+    space.add_lwpolyline(points, format="xyb", close=True, dxfattribs=ON_CUT)
+
+
+def dxf_old_polyline(document, space):
+    space.add_polyline2d([(0, 0), (30, 0), (30, 10), (0, 10)], close=True, dxfattribs=ON_CUT)
+
+
+def dxf_blocks(document, space):
+    inner = document.blocks.new("hole")
+    inner.add_circle((2, 0), 3)  # on layer "0": on that of the insert
+    outer = document.blocks.new("pair")
+    outer.add_blockref("hole", (10, 0), dxfattribs={"xscale": 2, "yscale": 1})
+    space.add_blockref("pair", (5, 5), dxfattribs={**ON_CUT, "rotation": 90})
+
+
+def dxf_ellipse(document, space):
+    axis = 8 * np.array([math.cos(0.5), math.sin(0.5), 0])
+    space.add_ellipse((1, 2), major_axis=axis, ratio=0.4, dxfattribs=ON_CUT)
+
+
+def dxf_arcs_and_lines(document, space):
+    # half a disc: an arc, drawn in its mirrored frame, and a line, ends 0.2 um apart
+    space.add_arc(
+        (0, 0), 10, 0, 180, dxfattribs={**ON_CUT, "extrusion": (0, 0, -1)}
+    )  # seen from below: x is turned
+    space.add_line((-10.0002, 0), (10, 0), dxfattribs=ON_CUT)
+
+
+def dxf_spline(document, space):
+    # a parabola y = 4 - x^2 as a Bezier curve of degree 2, closed by a line
+    spline = space.add_spline(degree=2, dxfattribs=ON_CUT)
+    spline.control_points = [(-2, 0, 0), (0, 8, 0), (2, 0, 0)]
+    spline.knots = [0, 0, 0, 1, 1, 1]
+    space.add_line((-2, 0), (2, 0), dxfattribs=ON_CUT)
+
+
+HALF_DISC = np.array(
+    [math.pi * 50, 0, 2000 / 3, math.pi * 1e4 / 8, math.pi * 1e4 / 8, 0], dtype=float
+)
+STADIUM = box(0, 0, 20, 10) + np.array(
+    [25 * math.pi, 250 * math.pi, 125 * math.pi, np.nan, np.nan, 1250 * math.pi]
+)
+PARABOLA = np.array([32 / 3, 0, 256 / 15, 128 / 15, 4096 / 105, 0])
+INCH = 25.4 ** np.array([2, 3, 3, 4, 4, 4])
+
+DXF = {
+    "circle, R12, mm": ("R12", 4, dxf_circle, ellipse(12, -5, 7, 7)),
+    "circle, 2018, inches": ("R2018", 1, dxf_circle, INCH * ellipse(12, -5, 7, 7)),
+    "bulges": ("R2018", 4, dxf_bulges, STADIUM),
+    "old polyline": ("R12", 5, dxf_old_polyline, box(0, 0, 300, 100)),
+    "blocks": ("R2018", 4, dxf_blocks, ellipse(5, 19, 3, 6)),
+    "ellipse": ("R2018", 4, dxf_ellipse, ellipse(1, 2, 8, 3.2, 0.5)),
+    "arc and line": ("R12", 4, dxf_arcs_and_lines, HALF_DISC),
+    "spline": ("R2018", 4, dxf_spline, PARABOLA),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DXF)
+def test_area_and_moments_of_a_dxf_drawing(tmp_path: Path, name: str) -> None:
+    version, unit, draw, expected = DXF[name]
+    path = dxf(tmp_path / "drawing.dxf", version, unit, draw)
+    known_unit = None if version == "R2018" else {4: MM, 5: 10 * MM}[unit]
+    region = even_odd(DrawingSource(path, layer="cut", unit=known_unit).contours())
+    check(moments(region), expected)
+
+
+SVG_FILES = {
+    "circle": (
+        '<circle cx="30" cy="20" r="10" stroke="red" fill="none"/>',
+        PAGE,
+        ellipse(30, 60, 10, 10),
+    ),
+    "nested groups": (
+        '<g transform="translate(10,5) scale(2)"><g transform="rotate(90)">'
+        '<ellipse cx="10" cy="-8" rx="4" ry="2" stroke="red"/></g></g>',
+        PAGE,
+        ellipse(26, 55, 4, 8),
+    ),
+    "skewed": (
+        '<circle cx="0" cy="0" r="5" transform="matrix(2 1 0 1 40 40)" stroke="red"/>',
+        PAGE,
+        # x = 2 u + 40, y upwards = 40 - u - v
+        25 * math.pi * np.array(
+            [2, 80, 80, 2 * (1600 + 25), 2 * (1600 + 12.5), 2 * (1600 - 12.5)]
+        ),
+    ),
+    "path with arcs": (
+        '<path d="M 20,30 h 20 a 5 5 0 0 1 0 10 h -20 a 5 5 0 0 1 0 -10 z" stroke="red"/>',
+        'width="10cm" viewBox="0 0 100 80"',
+        None,
+    ),
+    "cubic": (
+        # the same parabola as a cubic curve, from (-2, 0) over (0, -4) to (2, 0), y downwards
+        '<path transform="translate(50,80)" stroke="red" '
+        'd="M -2,0 C -0.6666666666666666,-5.333333333333333 '
+        '0.6666666666666666,-5.333333333333333 2,0 Z"/>',
+        PAGE,
+        PARABOLA + np.array([0, 50 * PARABOLA[0], 0, 2500 * PARABOLA[0], 0, 50 * PARABOLA[2]]),
+    ),
+    "use and defs": (
+        '<defs><rect id="r" width="10" height="5"/></defs>'
+        '<use xlink:href="#r" x="20" y="10" stroke="red"/>',
+        PAGE,
+        box(20, 65, 30, 70),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SVG_FILES)
+def test_area_and_moments_of_an_svg_drawing(tmp_path: Path, name: str) -> None:
+    content, size, expected = SVG_FILES[name]
+    layer = f'<g inkscape:groupmode="layer" inkscape:label="cut">{content}</g>'
+    path = svg(tmp_path / "drawing.svg", layer, size)
+    got = moments(even_odd(DrawingSource(path, layer="cut").contours()))
+    if expected is None:
+        assert got[0] == pytest.approx(200 + 25 * math.pi, rel=1e-6)
+        return
+    check(got, expected)
+
+
+def check(got: np.ndarray, expected: np.ndarray) -> None:
+    known = ~np.isnan(expected)
+    scale = np.maximum(np.abs(expected), np.nanmax(np.abs(expected[1:3]), initial=1e-9))
+    assert np.all(np.abs(got - expected)[known] <= 1e-6 * scale[known] + 1e-6)
+
+
+def test_nested_contours_are_holes_and_islands(tmp_path: Path) -> None:
+    rings = "".join(f'<circle cx="40" cy="40" r="{r}" stroke="red"/>' for r in (30, 20, 10))
+    region = even_odd(DrawingSource(svg(tmp_path / "rings.svg", rings)).contours())
+    assert region.area == pytest.approx(math.pi * (900 - 400 + 100) * 1e-6, rel=1e-6)
+
+
+def test_layers_and_colours_choose(tmp_path: Path) -> None:
+    def draw(document, space):
+        space.add_circle((0, 0), 5, dxfattribs=ON_CUT)
+        space.add_circle((0, 0), 9, dxfattribs={"layer": "outline"})
+        space.add_circle((20, 0), 2, dxfattribs={"layer": "outline", "color": 5})
+        space.add_text("cut here", dxfattribs=ON_CUT)
+
+    path = dxf(tmp_path / "layers.dxf", "R2018", 4, draw)
+    counts = {
+        "red": len(DrawingSource(path, colour="red").contours()),
+        "outline": len(DrawingSource(path, layer="outline").contours()),
+        "blue outline": len(DrawingSource(path, layer="outline", colour="#0000ff").contours()),
+        "all": len(DrawingSource(path).contours()),
+    }
+    assert counts == {"red": 1, "outline": 2, "blue outline": 1, "all": 3}
+    with pytest.raises(
+        InputError, match=r"layer = 'out': nothing is drawn there, expected one of cut, outline"
+    ):
+        DrawingSource(path, layer="out").contours()
+    with pytest.raises(InputError, match=r"colour = 'pink': nothing is drawn in it, .*#ff0000"):
+        DrawingSource(path, colour="pink").contours()
+
+
+@pytest.mark.parametrize(
+    ("size", "told", "radius"),
+    [
+        ('width="10in" height="8in" viewBox="0 0 20 16"', {}, 12.7),
+        ('width="300" height="200" viewBox="0 0 300 200"', {"unit": 25.4e-3 / 96}, 25.4 / 96),
+        ('width="100%" height="100%"', {"unit": 1e-3}, 1.0),
+        (PAGE, {"unit": 2e-3}, 2.0),
+    ],
+)
+def test_the_unit_of_an_svg_drawing(tmp_path: Path, size: str, told: dict, radius: float) -> None:
+    path = svg(tmp_path / "unit.svg", '<circle cx="0" cy="0" r="1" stroke="red"/>', size)
+    region = even_odd(DrawingSource(path, **told).contours())
+    assert region.area == pytest.approx(math.pi * (radius * MM) ** 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", ['width="300" height="200" viewBox="0 0 300 200"', ""])
+def test_a_unit_that_the_file_does_not_say_is_asked_for(tmp_path: Path, size: str) -> None:
+    path = svg(tmp_path / "px.svg", '<circle r="1" stroke="red"/>', size)
+    with pytest.raises(InputError, match=r"unit: missing, .*unit = 'mm'.*dpi = 96"):
+        DrawingSource(path).contours()
+
+
+BAD = {
+    "open": ("M 10,20 L 30,20 L 30,30", r"open contour: it ends at \(10, 20\) mm"),
+    "crossing itself": (
+        "M 10,10 L 20,20 L 20,10 L 10,20 Z",
+        r"a contour crosses itself at \(15, 15\) mm",
+    ),
+    "twice": (
+        "M 10,10 h 5 v 5 h -5 Z M 15,10 v 5 h -5 v -5 z",
+        r"a contour is drawn twice, at \(10, 10\) mm",
+    ),
+    "one across another": (
+        "M 10,10 h 10 v 10 h -10 Z M 15,15 h 10 v 10 h -10 z",
+        r"two contours cross at \((20, 15|15, 20)\) mm",
+    ),
+    "three ends": (
+        "M 10,10 L 20,10 M 20,10 L 10,20 M 10,20 L 10,10 M 10,10 L 0,0",
+        r"3 lines meet at \(10, 10\) mm",
+    ),
+    "line twice": (
+        "M 10,10 L 20,10 M 20,10 L 10,20 M 10,20 L 10,10 M 20,10 L 10,10",
+        r"a line is drawn twice, at \((20|10), 10\) mm",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_is_wrong_in_a_drawing_is_told_with_its_place(tmp_path: Path, name: str) -> None:
+    path_data, words = BAD[name]
+    path = svg(tmp_path / "bad.svg", f'<path d="{path_data}" stroke="red" fill="none"/>')
+    with pytest.raises(InputError, match=words):
+        DrawingSource(path).contours()
+
+
+def sheet(folder: Path, pattern: str, outline: str = 'outer_radius = "40 mm"') -> Path:
+    path = folder / "sheet.toml"
+    path.write_text(
+        f"""
+[specimen]
+{outline}
+[[layers]]
+name = "substrate"
+thickness = "1 mm"
+material = "soft"
+response = "path"
+[[layers]]
+name = "kirigami"
+thickness = "1 mm"
+material = "soft"
+pattern = {pattern}
+[materials.soft]
+young_modulus = "116.25 kPa"
+poisson_ratio = 0.49
+[prestretch]
+milestones = [1.03]
+[mesh]
+size = "6 mm"
+""",
+        encoding="utf-8",
+    )
+    return path
+
+
+PETALS = (
+    '<g id="rim"><circle cx="40" cy="40" r="30" stroke="green" fill="none"/></g>'
+    '<g id="cut"><path d="M 50,40 Q 60,30 75,40 Q 60,50 50,40 Z" stroke="red" fill="none"/></g>'
+)
+
+
+def test_a_specimen_holds_its_drawings(tmp_path: Path) -> None:
+    svg(tmp_path / "petals.svg", PETALS, 'width="80mm" height="80mm" viewBox="0 0 80 80"')
+    pattern = '{ drawing = "petals.svg", layer = "cut", origin = ["40 mm", "40 mm"] }'
+    outline = 'outline = { drawing = "petals.svg", layer = "rim", origin = ["40 mm", "40 mm"] }'
+    specimen = bilayer.read_specimen(sheet(tmp_path, pattern, outline))
+    (tmp_path / "petals.svg").unlink()
+    assert bilayer.parse_specimen(bilayer.specimen_to_toml(specimen)) == specimen
+    assert specimen.outline.area == pytest.approx(math.pi * 0.03**2, rel=1e-6)
+    # the cut runs over the rim: what lies beyond it does not count
+    cut = specimen.outline.polygon.area - specimen.region_of("kirigami").area
+    assert 0.5 * 25 * 10 * 2 / 3 < 1e6 * cut < 25 * 10 * 2 / 3
+    mesh = bilayer.generate_mesh(specimen)
+    bare = np.setdiff1d(np.arange(len(mesh.triangles)), mesh.faces_of("kirigami"))
+    assert mesh.areas[bare].sum() == pytest.approx(cut, rel=5e-2)
+
+
+def test_a_cut_outside_of_the_sheet_is_told_with_its_place(tmp_path: Path) -> None:
+    svg(tmp_path / "far.svg", '<circle cx="70" cy="5" r="2" stroke="red"/>')
+    path = sheet(tmp_path, '{ drawing = "far.svg" }')
+    with pytest.raises(InputError, match=r"outside of the sheet, around \(70, 75\) mm"):
+        bilayer.read_specimen(path)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "words"),
+    [
+        ('{ drawing = "none.svg" }', "none.svg.*No such file"),
+        ('{ drawing = "petals.pdf" }', r"petals.pdf'?: expected a file in .dxf or .svg"),
+        ('{ drawing = "petals.svg", layr = "cut" }', "layr: unknown key.*'layer'"),
+        ('{ drawing = "petals.svg", what = "gone" }', "what = 'gone'"),
+        ('{ drawing = "petals.svg", unit = "kg" }', "unit = '1 kg': expected a length"),
+        ('{ drawing = "petals.svg", unit = "mm", dpi = 72 }', "dpi: not together with unit"),
+        ('{ drawing = "petals.svg", origin = "top" }', "origin = 'top'"),
+        ('{ drawing = "petals.svg", kerf = -1 }', "kerf = -1"),
+    ],
+)
+def test_a_wrong_table_of_a_drawing_is_told(tmp_path: Path, pattern: str, words: str) -> None:
+    svg(tmp_path / "petals.svg", PETALS)
+    (tmp_path / "petals.pdf").write_bytes(b"%PDF")
+    with pytest.raises(InputError, match=words):
+        bilayer.read_specimen(sheet(tmp_path, pattern))
+
+
+def test_a_text_from_elsewhere_names_no_drawing(tmp_path: Path) -> None:
+    svg(tmp_path / "petals.svg", PETALS)
+    text = sheet(tmp_path, f'{{ drawing = "{tmp_path}/petals.svg" }}').read_text()
+    with pytest.raises(InputError, match=r"drawing = .*: expected in a specimen file alone"):
+        bilayer.parse_specimen(text)
+
+
+@pytest.mark.parametrize("content", [b"", b"<svg", b"<html/>", b"\x00\xff", b"0\nSECTION\n"])
+@pytest.mark.parametrize("ending", ["svg", "dxf"])
+def test_what_is_no_drawing_is_refused(tmp_path: Path, content: bytes, ending: str) -> None:
+    path = tmp_path / f"broken.{ending}"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="drawing"):
+        DrawingSource(path, unit=1e-3).contours()
+
+
+def test_an_image_is_contoured(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    y, x = np.mgrid[0:200, 0:200] + 0.5
+    ring = (np.hypot(x - 100, y - 100) < 80) & (np.hypot(x - 100, y - 100) > 40)
+    speck = np.hypot(x - 20, y - 20) < 4
+    image.fromarray(np.where(ring | speck, 0, 255).astype("uint8")).save(tmp_path / "ring.png")
+    pattern = '{ image = "ring.png", width = "60 mm", smoothing = "0.5 mm", least_area = "9 mm^2" }'
+    specimen = bilayer.read_specimen(sheet(tmp_path, pattern))
+    kept = specimen.region_of("kirigami")
+    assert kept.area == pytest.approx(math.pi * (0.024**2 - 0.012**2), rel=3e-3)
+    assert len(specimen.layer("kirigami").pattern.contours) == 2
+
+
+def test_a_pattern_from_a_geometry_of_shapely() -> None:
+    ring = shapely.Point(0, 0).buffer(0.03) - shapely.Point(0, 0).buffer(0.02)
+    pattern = bilayer.Pattern.from_geometry(ring)
+    kept = pattern.kept(bilayer.Disc(0.04))
+    assert shapely.symmetric_difference(kept, ring).area < 1e-12
+    with pytest.raises(InputError, match="geometry = POINT"):
+        bilayer.Pattern.from_geometry(shapely.Point(0, 0))
