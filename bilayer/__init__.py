@@ -6,8 +6,15 @@
 The names in `__all__` are all that a user needs; each is loaded when it is first used.
 """
 
+import os
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+if not {"netCDF4", "h5py"} & set(sys.modules):  # what is loaded has read it already
+    # Not every file system has locks (NFS without lockd, Lustre). A file of ours is written under
+    # a name of its own and moved, so it needs none.
+    os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 if TYPE_CHECKING:
     from bilayer.errors import BilayerError, ComputationError, InputError

@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from bilayer.calculix.frd_rows import NODE_COLUMNS, read_rows
 from bilayer.errors import InputError
+from bilayer.runtime.input_file import read_text
 
 Array = NDArray[np.float64]
 
+LARGEST_FILE = 2**31
+"""Bytes of a file of CalculiX that are read."""
 VERSION = "    1UVERSION"
 NODES, DISPLACEMENT, BLOCK_END, FILE_END = "    2C", " -4  DISP", " -3", " 9999"
 
@@ -163,12 +166,12 @@ def _rows(path: Path, columns: int) -> Iterator[list[str]]:
 
 def _lines(path: str | Path) -> list[str]:
     try:
-        lines = Path(path).read_text(encoding="latin-1").splitlines()
-    except OSError as error:
+        text = read_text(path, "file", encoding="latin-1", largest=LARGEST_FILE)
+    except InputError as error:
         raise InputError(
-            f"{path}: cannot be read ({error.strerror}), expected CalculiX's .frd file with the "
-            ".sta and .cvg files beside it"
+            f"{error}, expected CalculiX's .frd file with the .sta and .cvg files beside it"
         ) from error
+    lines = text.splitlines()
     if not lines:
         raise InputError(f"{path}: is empty, expected what CalculiX wrote")
     return lines

@@ -17,10 +17,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.results.schema import FORMAT, REQUIRED, SCHEMA_VERSION
+from bilayer.results.conformity import check_result
+from bilayer.results.netcdf import StoredGroup, read_netcdf
 from bilayer.runtime.output_file import HDF5_ROOM, whole_file
 
 RESUME_GROUP = "resume"
+RESULT_FILE = "result file"
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,24 +126,15 @@ def open_result(path: str | Path) -> xr.Dataset:
     Raises
     ------
     InputError
-        The file is missing, is no dataset of this project, or has a newer schema.
+        The file is missing or damaged, is no result, or has a newer schema.
     """
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as stored:
-            result = stored.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(
-            f"result file {path}: cannot be read ({_why_unreadable(Path(path))})"
-        ) from error
-    if result.attrs.get("format") != FORMAT:
-        raise InputError(
-            f"result file {path}: format = {result.attrs.get('format')!r}, expected {FORMAT!r}"
-        )
-    _check_schema(path, result.attrs.get("schema_version"))
-    for part, held in (("attribute", result.attrs), ("variable", result.variables)):
-        missing = [name for name in REQUIRED[part] if name not in held]
-        if missing:
-            raise InputError(f"result file {path}: the {part} {missing[0]!r} is missing")
+    stored = read_netcdf(path, RESULT_FILE, StoredGroup.of)
+    with _named(path):
+        try:
+            result = stored.decoded()
+        except Exception as error:  # whatever xarray meets in what is stored
+            raise InputError(f"is no dataset ({' '.join(str(error).split())})") from error
+        check_result(result)
     return result
 
 
@@ -151,24 +144,34 @@ def open_resume_point(path: str | Path) -> ResumePoint | None:
     Raises
     ------
     InputError
-        The file cannot be read.
+        The file cannot be read, or its group is none of a resume point.
     """
+    group = read_netcdf(path, RESULT_FILE, _resume_group)
+    if group is None:
+        return None
+    with _named(path):
+        tried, reasons = (group.attributes.get(name) for name in ("tried", "reasons"))
+        reasons = np.atleast_1d(np.asarray(reasons, dtype=object))
+        if not isinstance(tried, (int, np.integer)) or tried < 0:
+            raise InputError(f"{RESUME_GROUP}: tried = {tried!r}, expected a whole number")
+        if not all(isinstance(reason, str) for reason in reasons):
+            raise InputError(f"{RESUME_GROUP}: reasons = {reasons.tolist()!r}, expected texts")
+    saved = {name: values for name, (_, values, _) in group.variables.items()}
+    return ResumePoint(int(tried), tuple(reason for reason in reasons if reason), saved)
+
+
+def _resume_group(stored: netCDF4.Dataset) -> StoredGroup | None:
+    group = stored.groups.get(RESUME_GROUP)
+    return None if group is None else StoredGroup.of(group)
+
+
+@contextmanager
+def _named(path: str | Path) -> Iterator[None]:
+    """Say of an InputError which file it is about."""
     try:
-        with netCDF4.Dataset(path) as stored:
-            if RESUME_GROUP not in stored.groups:
-                return None
-        with xr.open_dataset(path, engine="netcdf4", group=RESUME_GROUP) as stored_group:
-            group = stored_group.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InputError(
-            f"result file {path}: cannot be read ({_why_unreadable(Path(path))})"
-        ) from error
-    reasons = np.atleast_1d(group.attrs["reasons"])
-    return ResumePoint(
-        int(group.attrs["tried"]),
-        tuple(str(reason) for reason in reasons if reason),
-        {str(name): variable.values for name, variable in group.data_vars.items()},
-    )
+        yield
+    except InputError as error:
+        raise InputError(f"{RESULT_FILE} {path}: {error}") from error
 
 
 def _as_dataset(resume: ResumePoint) -> xr.Dataset:
@@ -190,19 +193,3 @@ def _netcdf_errors(path: Path) -> Iterator[None]:
         yield
     except RuntimeError as error:
         raise OSError(errno.EIO, str(error), str(path)) from error
-
-
-def _why_unreadable(path: Path) -> str:
-    if path.is_dir():
-        return "is a folder"
-    return "not a whole NetCDF file" if path.exists() else "no such file"
-
-
-def _check_schema(path: str | Path, found: Any) -> None:
-    field = f"result file {path}: schema_version = {found}"
-    if not isinstance(found, (int, np.integer)):
-        raise InputError(f"{field}, expected a whole number up to {SCHEMA_VERSION}")
-    if found > SCHEMA_VERSION:
-        raise InputError(
-            f"{field}, expected at most {SCHEMA_VERSION}: made by a newer version of this package"
-        )

@@ -14,6 +14,7 @@ from typing import Any
 import tomli_w
 
 from bilayer.errors import InputError
+from bilayer.runtime.input_file import read_text
 from bilayer.specimen.drawn import with_drawings
 from bilayer.specimen.long_form import LONG_TABLES, sheet_from_tables, sheet_to_tables
 from bilayer.specimen.overrides import with_overrides
@@ -57,11 +58,7 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
     InputError
         The file is missing or malformed, a key is unknown, or a value is out of its range.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text file"
-        raise InputError(f"specimen file {path}: cannot be read ({reason})") from error
+    text = read_text(path, "specimen file")
     return parse_specimen_file(text, overrides, str(path), Path(path).parent)
 
 

@@ -5,16 +5,18 @@ Values are read from the case files when they are asked for (dask), not before.
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from xarray.backends.locks import HDF5_LOCK
 
-from bilayer.errors import ComputationError
+from bilayer.errors import ComputationError, InputError
+from bilayer.results.conformity import LAYOUTS
+from bilayer.results.files import RESULT_FILE, open_result
+from bilayer.results.netcdf import StoredGroup, read_netcdf
 from bilayer.study.folder import StudyFolder
 from bilayer.study.milestones import MilestoneAxis
 from bilayer.study.scalars import Scalars, read_scalars
@@ -128,7 +130,9 @@ def _read_milestones(
     file: Path, names: Sequence[str], places: NDArray[np.int64], length: int
 ) -> dict[str, NDArray[np.float64]]:
     """Read one file's scalars at their places among all milestones; NaN elsewhere."""
-    values = read_scalars(file).values
+    stored = read_scalars(file)
+    stored.check_milestones(file, len(places))
+    values = stored.values
     shapes = {name: array.shape[1:] for name, array in values.items()}
     table = {name: np.full((length, *shapes.get(name, ())), np.nan) for name in names}
     for name in values.keys() & table.keys():
@@ -141,9 +145,8 @@ def _shape_variables(
 ) -> dict[str, Any]:
     """Return the positions of cases on one mesh, still in the files, and that mesh."""
     dask = _dask()
-    with xr.open_dataset(next(file for file in files if file is not None)) as example:
-        mesh = example[list(MESH_VARIABLES)].load()
-        attributes = example["position"].attrs
+    example = open_result(next(file for file in files if file is not None))
+    mesh, attributes = example[list(MESH_VARIABLES)], example["position"].attrs
     shape = (len(axis), *mesh["reference_position"].shape)
     rows = [
         dask.array.full(shape, np.nan)
@@ -164,9 +167,16 @@ def _read_position(
     file: Path, places: NDArray[np.int64], shape: tuple[int, ...]
 ) -> NDArray[np.float64]:
     table = np.full(shape, np.nan)
-    with HDF5_LOCK, netCDF4.Dataset(file) as stored:  # the library is not safe for threads
-        stored.set_auto_mask(False)
-        table[places] = stored["position"][:]
+    dims = [LAYOUTS["position"].dims]
+    stored = read_netcdf(file, RESULT_FILE, partial(StoredGroup.of, dims=dims)).variables
+    found = stored["position"][1] if "position" in stored else np.zeros(0)
+    expected = (len(places), *shape[1:])
+    if found.shape != expected or found.dtype.kind != "f":
+        raise InputError(
+            f"{RESULT_FILE} {file}: position has {found.dtype} of the shape {found.shape}, "
+            f"expected numbers of the shape {expected}, as the study's plan has it"
+        )
+    table[places] = found
     return table
 
 

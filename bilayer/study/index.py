@@ -10,7 +10,7 @@ from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
 from bilayer.solvers.registry import settings_class
 from bilayer.study.folder import CASE_DONE, CASE_FAILED, NoResult, StudyFolder
-from bilayer.study.scalars import Scalars, read_scalars
+from bilayer.study.scalars import Scalars, read_scalars_of
 
 CASE_STOPPED, CASE_MISSING = "stopped early", "missing"
 CASE_UNFINISHED = "unfinished"
@@ -35,7 +35,14 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
         `reason` if something is missing, what made it, and the timings.
     """
     planned = folder.read_plan()
-    rows = [row for entry in planned["cases"] for row in _rows(folder, entry, planned["fields"])]
+    kept = [folder.kept_file(entry["case"]) for entry in planned["cases"]]
+    there = [file for file in kept if file.exists()]
+    stored = dict(zip(there, read_scalars_of(there), strict=True))
+    rows = [
+        row
+        for entry, file in zip(planned["cases"], kept, strict=True)
+        for row in _rows(folder, entry, planned["fields"], stored.get(file))
+    ]
     return pd.DataFrame(rows)
 
 
@@ -53,10 +60,15 @@ def write_index(folder: StudyFolder) -> pd.DataFrame:
     return index
 
 
-def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> list[dict[str, Any]]:
+def _rows(
+    folder: StudyFolder,
+    entry: Mapping[str, Any],
+    fields: list[str],
+    found: Scalars | InputError | None,
+) -> list[dict[str, Any]]:
     varied = {name: entry["values"].get(name) for name in fields if name != "solver"}
     named = {"case": entry["case"], "solver": entry["solver"], "model": entry["model"], **varied}
-    stored, status, reason = _state(folder, entry)
+    stored, status, reason = _state(folder, entry, found)
     count = len(entry["milestones"])
     columns = {name: _column(stored, name, count) for name in (*SHOWN, "wall_time")}
     made = {} if stored is None else stored.attributes
@@ -79,14 +91,18 @@ def _rows(folder: StudyFolder, entry: Mapping[str, Any], fields: list[str]) -> l
     ]
 
 
-def _state(folder: StudyFolder, entry: Mapping[str, Any]) -> tuple[Scalars | None, str, str]:
+def _state(
+    folder: StudyFolder, entry: Mapping[str, Any], stored: Scalars | InputError | None
+) -> tuple[Scalars | None, str, str]:
     """Return the stored scalars of a case, its status, and the reason of the status."""
     path = folder.kept_file(entry["case"])
     failure = folder.failure(entry["case"])
-    if not path.exists():
+    if stored is None:
         return None, *_recorded(failure, CASE_MISSING, "")
     try:
-        stored = read_scalars(path)
+        if isinstance(stored, InputError):
+            raise stored
+        stored.check_milestones(path, len(entry["milestones"]))
     except InputError as error:
         return None, CASE_FAILED, str(error)
     if path == folder.unfinished_file(entry["case"]):

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
+from bilayer.runtime.input_file import read_text
 from bilayer.solvers.registry import SOLVERS, settings_class, solver_named
 from bilayer.specimen.prestretch import MILESTONES_FIELD
 from bilayer.specimen.settings import settings_from
@@ -63,7 +64,7 @@ def read_study(path: str | Path) -> StudyPlan:
     if not isinstance(specimen_file, str):
         raise InputError(f"study file {path}: specimen = {specimen_file!r}: expected a file name")
     specimen_path = Path(path).parent / specimen_file
-    specimen_text = _text(specimen_path, "specimen file")
+    specimen_text = read_text(specimen_path, "specimen file")
     solvers = _solvers(tables.get("solver"))
     settings = _settings_tables(tables.get("settings", {}), solvers)
     varied = _varied_rows(tables)
@@ -117,7 +118,7 @@ def make_plan(
 
 def _tables(path: Path) -> dict[str, Any]:
     try:
-        tables = tomllib.loads(_text(path, "study file"))
+        tables = tomllib.loads(read_text(path, "study file"))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"study file {path}: not a valid TOML file ({error})") from error
     for key in tables:
@@ -130,14 +131,6 @@ def _tables(path: Path) -> dict[str, Any]:
                 f"study file {path}: {key} = {tables[key]!r}: expected a table [{key}]"
             )
     return tables
-
-
-def _text(path: Path, what: str) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text file"
-        raise InputError(f"{what} {path}: cannot be read ({reason})") from error
 
 
 def _solvers(given: Any) -> list[str]:

@@ -1,18 +1,18 @@
 """The scalars of one result file, a number per milestone, read without the shapes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 from numpy.typing import NDArray
-from xarray.backends.locks import HDF5_LOCK
 
 from bilayer.errors import InputError
-
-DIMENSIONS = (("prestretch",), ("prestretch", "xyz"))
+from bilayer.results.conformity import SCALAR_DIMS, check_scalars
+from bilayer.results.files import RESULT_FILE
+from bilayer.results.netcdf import StoredGroup, read_netcdf_files
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +36,15 @@ class Scalars:
     attributes: Mapping[str, Any]
     triangles: int
 
+    def check_milestones(self, path: str | Path, expected: int) -> None:
+        """Raise InputError unless the file has as many milestones as its case."""
+        found = len(self.values["converged"])
+        if found != expected:
+            raise InputError(
+                f"{RESULT_FILE} {path}: has {found} milestones, expected {expected} as in the "
+                "study's plan"
+            )
+
 
 def read_scalars(path: str | Path) -> Scalars:
     """Read the scalars of a result file.
@@ -43,27 +52,46 @@ def read_scalars(path: str | Path) -> Scalars:
     Raises
     ------
     InputError
-        The file cannot be read.
+        The file cannot be read, or is no result.
     """
+    (found,) = read_scalars_of([path])
+    if isinstance(found, InputError):
+        raise found
+    return found
+
+
+def read_scalars_of(paths: Iterable[str | Path]) -> list[Scalars | InputError]:
+    """Read the scalars of many result files, or why one of them cannot be read."""
+    listed = list(paths)
+    found = read_netcdf_files(listed, RESULT_FILE, partial(StoredGroup.of, dims=SCALAR_DIMS))
+    return [_checked(path, stored) for path, stored in zip(listed, found, strict=True)]
+
+
+def _checked(path: str | Path, stored: StoredGroup | InputError) -> Scalars | InputError:
+    if isinstance(stored, InputError):
+        return stored
     try:
-        with HDF5_LOCK, netCDF4.Dataset(path) as stored:  # the library is not safe for threads
-            stored.set_auto_mask(False)
-            chosen = {
-                name: variable
-                for name, variable in stored.variables.items()
-                if variable.dimensions in DIMENSIONS and name not in variable.dimensions
-            }
-            return Scalars(
-                {name: np.asarray(variable[:], dtype=float) for name, variable in chosen.items()},
-                {name: _attributes(variable) for name, variable in chosen.items()},
-                _attributes(stored),
-                stored.dimensions["face"].size,
-            )
-    except (OSError, RuntimeError, KeyError) as error:
-        raise InputError(f"result file {path}: cannot be read ({error})") from error
+        check_scalars(stored)
+        return _as_scalars(stored)
+    except InputError as error:
+        return InputError(f"{RESULT_FILE} {path}: {error}")
 
 
-def _attributes(holder: Any) -> dict[str, Any]:
+def _as_scalars(stored: StoredGroup) -> Scalars:
+    numbers = {
+        name: (values, attributes)
+        for name, (dims, values, attributes) in stored.variables.items()
+        if name not in dims and values.dtype.kind in "fiu"
+    }
+    return Scalars(
+        {name: np.asarray(values, dtype=float) for name, (values, _) in numbers.items()},
+        {name: _lasting(attributes) for name, (_, attributes) in numbers.items()},
+        _lasting(stored.attributes),
+        stored.sizes.get("face", 0),
+    )
+
+
+def _lasting(attributes: Mapping[str, Any]) -> dict[str, Any]:
     """Return the attributes that mean something away from the file."""
-    names = [name for name in holder.ncattrs() if name not in ("_FillValue", "coordinates")]
-    return {name: holder.getncattr(name) for name in names}
+    bound = ("_FillValue", "coordinates")
+    return {name: value for name, value in attributes.items() if name not in bound}

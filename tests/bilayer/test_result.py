@@ -189,10 +189,10 @@ def of_our_name_without_a_schema(path):
     [
         (foreign, "format = None, expected 'bilayer-shells result'"),
         (of_our_name_without_a_schema, "schema_version = None"),
-        (lambda path: path.write_text("not NetCDF at all"), "not a whole NetCDF file"),
-        (lambda path: path.write_bytes(b""), "not a whole NetCDF file"),
+        (lambda path: path.write_text("not NetCDF at all"), "is no NetCDF file"),
+        (lambda path: path.write_bytes(b""), "is empty"),
         (lambda path: path.mkdir(), "is a folder"),
-        (lambda path: None, "no such file"),
+        (lambda path: None, "No such file"),
     ],
 )
 def test_files_that_are_no_result_are_refused(tmp_path, make, message):
@@ -206,7 +206,7 @@ def test_a_truncated_file_is_refused(result, tmp_path):
     path = tmp_path / "result.nc"
     write_result(result, path)
     path.write_bytes(path.read_bytes()[:2000])
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is cut off: has 2000 of"):
         open_result(path)
 
 

@@ -1,0 +1,237 @@
+"""The check that a dataset has the structure of a result, whoever wrote it.
+
+Names, dimensions, types and values of the schema (`bilayer.results.schema`) are checked here once.
+Every reader of a result may therefore rely on them.
+"""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.results.milestones import along_milestones
+from bilayer.results.netcdf import StoredGroup
+from bilayer.results.schema import (
+    FORMAT,
+    NOT_MEASURED,
+    REQUIRED,
+    SCHEMA_VERSION,
+    result_mesh,
+)
+from bilayer.runtime.input_file import LARGEST_TEXT
+
+NUMBER, WHOLE, TEXT = "numbers", "whole numbers", "texts"
+SIZES = {"xyz": 3, "corner": 3, "vertex": 4}
+"""Lengths of the dimensions that have always the same one."""
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The place and kind of a variable's values.
+
+    Parameters
+    ----------
+    kind : {"numbers", "whole numbers", "texts"}
+        Of each value.
+    dims : tuple of str
+        Dimensions, in this order.
+    """
+
+    kind: str
+    dims: tuple[str, ...]
+
+
+def _layouts() -> dict[str, Layout]:
+    by_milestone = ("prestretch",)
+    places = {
+        Layout(NUMBER, by_milestone): (
+            "prestretch", "prestretch_x", "prestretch_y", "quality", "sphere_radius",
+            "sphere_rmse", "hemisphere_distance", "height", "residual", "wall_time",
+            "self_contact_gap", "last_prestretch", "assembly_time", "factorisation_time",
+            "cpu_time", "dissipated_energy",
+        ),
+        Layout(WHOLE, by_milestone): (
+            "iterations", "load_steps", "unstable_modes", "converged", "factorisations",
+            "stabilised_steps", "escapes", "guided_steps", "branch_taken",
+        ),
+        Layout(NUMBER, ("prestretch", "xyz")): ("span",),
+        Layout(NUMBER, ("prestretch", "node", "xyz")): ("position", "last_position"),
+        Layout(NUMBER, ("prestretch", "volume_node", "xyz")): ("volume_position",),
+        Layout(NUMBER, ("prestretch", "term")): ("energy",),
+        Layout(TEXT, ("term",)): ("term",),
+        Layout(TEXT, ("xyz",)): ("xyz",),
+        Layout(TEXT, ("sheet_layer",)): ("sheet_layer",),
+        Layout(NUMBER, ("node", "xyz")): ("reference_position",),
+        Layout(NUMBER, ("node",)): ("reference_x", "reference_y"),
+        Layout(WHOLE, ("face", "corner")): ("face_nodes",),
+        Layout(WHOLE, ("face",)): ("region",),
+        Layout(WHOLE, ("face", "sheet_layer")): ("layers_present",),
+        Layout(NUMBER, ("volume_node", "xyz")): ("volume_reference_position",),
+        Layout(WHOLE, ("volume_cell", "vertex")): ("volume_cells",),
+        Layout(WHOLE, ("volume_cell",)): ("layer",),
+    }  # fmt: skip
+    return {name: layout for layout, names in places.items() for name in names}
+
+
+LAYOUTS = _layouts()
+"""The layout of every variable that the project reads; a file may hold others."""
+TEXTS = (*REQUIRED["attribute"], "start", NOT_MEASURED, "reference_surface", "history", "title")
+"""The attributes that are texts."""
+SMALLEST = {"iterations": 0, "load_steps": 0, "unstable_modes": -1, "converged": 0, "region": 0}
+LARGEST = {"converged": 1}
+SCALAR_DIMS = (("prestretch",), ("prestretch", "xyz"))
+"""Dimensions of the variables that hold a number, or three, for each milestone."""
+POSITIVE = ("prestretch", "prestretch_x", "prestretch_y")
+VOLUME = ("volume_position", "volume_reference_position", "volume_cells", "layer")
+"""Variables of which a result has all or none."""
+
+
+def check_result(result: xr.Dataset) -> None:
+    """Raise InputError unless a dataset, whole or a single milestone of one, is a result.
+
+    The text names the attribute or variable, its value and what was expected.
+    """
+    check_attributes(result.attrs)
+    _check_there(result.variables, REQUIRED["variable"], "variable")
+    whole = along_milestones(result)
+    check_variables({str(name): (v.dims, v.values) for name, v in whole.variables.items()})
+    _check_shapes(whole)
+    for name, variable in whole.variables.items():
+        _check_texts(variable.attrs, ("units", "long_name"), f"{name}: ")
+    result_mesh(result)  # raises what is wrong with the specimen or the mesh
+
+
+def check_scalars(stored: StoredGroup) -> None:
+    """Raise InputError unless a file of which only the scalars were read is a result's."""
+    check_attributes(stored.attributes)
+    scalars = [name for name in REQUIRED["variable"] if LAYOUTS[name].dims in SCALAR_DIMS]
+    _check_there(stored.variables, scalars, "variable")
+    check_variables({name: entry[:2] for name, entry in stored.variables.items()})
+    for name, (_, _, attributes) in stored.variables.items():
+        _check_texts(attributes, ("units", "long_name"), f"{name}: ")
+
+
+def check_attributes(attributes: Mapping[str, Any]) -> None:
+    """Raise InputError unless the attributes are those of a result that this version reads."""
+    found = attributes.get("format")
+    if not isinstance(found, str) or found != FORMAT:
+        raise InputError(f"format = {found}, expected {FORMAT!r}")
+    _check_version(attributes.get("schema_version"))
+    _check_there(attributes, REQUIRED["attribute"], "attribute")
+    _check_texts(attributes, TEXTS)
+    try:
+        tomllib.loads(attributes["settings"])
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"settings: not valid TOML ({error})") from error
+
+
+def check_variables(variables: Mapping[str, tuple[Iterable[Any], Array]]) -> None:
+    """Raise InputError unless the variables that the schema knows are laid out as it says.
+
+    Parameters
+    ----------
+    variables : mapping of str to (dims, array)
+        Some or all of a result's, with the dimension `prestretch`.
+    """
+    for name, (dims, values) in variables.items():
+        layout = LAYOUTS.get(name)
+        if layout is not None:
+            _check_dims(name, tuple(map(str, dims)), values, layout)
+            _check_kind(name, values, layout.kind)
+            _check_range(name, values)
+
+
+def _check_texts(attributes: Mapping[str, Any], names: Iterable[str], of: str = "") -> None:
+    for name in names:
+        value = attributes.get(name, "")
+        if not isinstance(value, str):
+            raise InputError(f"{of}{name} = {value}: expected a text")
+        if len(value) > LARGEST_TEXT:
+            found = f"has {len(value)} letters"
+            raise InputError(f"{of}{name}: {found}, expected at most {LARGEST_TEXT}")
+
+
+def _check_version(found: Any) -> None:
+    if not isinstance(found, (int, np.integer)):
+        raise InputError(
+            f"schema_version = {found}, expected a whole number up to {SCHEMA_VERSION}"
+        )
+    if found > SCHEMA_VERSION:
+        raise InputError(
+            f"schema_version = {found}, expected at most {SCHEMA_VERSION}: made by a newer "
+            "version of this package"
+        )
+
+
+def _check_there(held: Iterable[Any], names: Iterable[str], part: str) -> None:
+    missing = [name for name in names if name not in held]
+    if missing:
+        raise InputError(f"the {part} {missing[0]!r} is missing")
+
+
+def _check_dims(name: str, dims: tuple[str, ...], values: Array, layout: Layout) -> None:
+    expected = [SIZES.get(dim, size) for dim, size in zip(dims, values.shape, strict=True)]
+    if dims != layout.dims or list(values.shape) != expected:
+        found = ", ".join(f"{dim}: {size}" for dim, size in zip(dims, values.shape, strict=True))
+        wanted = ", ".join(f"{dim}: {SIZES[dim]}" if dim in SIZES else dim for dim in layout.dims)
+        raise InputError(f"{name}: has the dimensions ({found}), expected ({wanted})")
+
+
+def _check_kind(name: str, values: Array, kind: str) -> None:
+    if values.size == 0:
+        return  # an empty list of texts comes back as numbers
+    if kind == TEXT:
+        good = values.dtype.kind in "US" or all(isinstance(v, str) for v in values.flat)
+    else:
+        good = values.dtype.kind in "fiu"
+    if not good:
+        raise InputError(f"{name}: holds values of the type {values.dtype}, expected {kind}")
+    if kind == WHOLE and values.dtype.kind == "f":
+        _refuse(name, values, ~(np.isfinite(values) & (values == np.round(values))), kind)
+
+
+def _check_range(name: str, values: Array) -> None:
+    if name in POSITIVE:
+        _refuse(name, values, ~(np.isfinite(values) & (values > 0)), "numbers greater than 0")
+    if name in SMALLEST:
+        low = SMALLEST[name]
+        _refuse(name, values, values < low, f"whole numbers of at least {low}")
+    if name in LARGEST:
+        _refuse(name, values, values > LARGEST[name], f"0 or {LARGEST[name]}")
+
+
+def _refuse(name: str, values: Array, bad: NDArray[np.bool_], expected: str) -> None:
+    """Raise InputError with the first bad value, if there is one."""
+    places = np.argwhere(bad)
+    if len(places):
+        at = tuple(int(k) for k in places[0])
+        where = f"[{', '.join(map(str, at))}]" if at else ""
+        raise InputError(f"{name}{where} = {values[at]}: expected {expected}")
+
+
+def _check_shapes(result: xr.Dataset) -> None:
+    """Check the positions of the milestones that were reached, and the mesh of a volume."""
+    if result.sizes["prestretch"] == 0:
+        raise InputError("prestretch: has no milestone, expected at least one")
+    reached = result["converged"].values == 1
+    missed = not reached.all()
+    if missed and "last_position" in result and "last_prestretch" not in result:
+        raise InputError("the variable 'last_prestretch' is missing")
+    for name in ("reference_position", "position", *VOLUME[:2]):
+        if name in result:
+            values = result[name].values
+            bad = ~np.isfinite(values)
+            if "prestretch" in result[name].dims:
+                bad &= reached[:, None, None]
+            _refuse(name, values, bad, "finite numbers, m")
+    if any(name in result for name in VOLUME):
+        _check_there(result.variables, VOLUME, "variable")
+        cells, count = result["volume_cells"].values, result.sizes["volume_node"]
+        _refuse("volume_cells", cells, (cells < 0) | (cells >= count), f"nodes below {count}")
