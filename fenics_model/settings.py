@@ -6,6 +6,7 @@ from bilayer.errors import InputError
 from bilayer.specimen.settings import BRANCH_CHOICES, setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
 from bilayer.validation import finite, fraction, keep, one_of, positive, whole
+from fenics_model.plain_options import not_plain_option
 
 BYTES_PER_TRIANGLE = 300_000
 """Memory of the matrix and its factors, one element through each of two layers (measured: 225 kB
@@ -58,7 +59,9 @@ class SolidSettings:
         "gone at every milestone [m/s2]",
     )
     petsc_options: str = setting(
-        "", "further PETSc options, such as '-bilayer_snes_monitor'; their prefix is bilayer_"
+        "",
+        "further PETSc options, such as '-bilayer_snes_monitor'; their prefix is bilayer_",
+        not_plain=not_plain_option,
     )
 
     def __post_init__(self) -> None:

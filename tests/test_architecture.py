@@ -42,6 +42,7 @@ FLOORS = {
         ["__init__"],
     ],
     "fenics_model": [
+        ["plain_options"],
         ["settings"],
         ["api"],
         ["mesh"],

@@ -7,10 +7,12 @@ from typing import Any
 import xarray as xr
 
 from bilayer.cli.parser import add_verb
+from bilayer.errors import InputError
 from bilayer.results.files import open_result
 from bilayer.results.report import provenance
 from bilayer.solvers.registry import SOLVERS
-from bilayer.solvers.rerun import solve_command
+from bilayer.solvers.rerun import result_settings, solve_command
+from bilayer.specimen.settings import check_plain
 
 
 def add(verbs: Any) -> None:
@@ -29,18 +31,24 @@ def run(options: argparse.Namespace) -> int:
     if options.specimen:
         print(result.attrs["specimen"], end="")
         return 0
-    print(provenance(result))
+    lines = [provenance(result)]
     if result.attrs["solver"] in SOLVERS:
-        print(_to_run_again(options.result, result))
+        lines.append(_to_run_again(options.result, result))
+    print("\n".join(lines))
     return 0
 
 
 def _to_run_again(path: str, result: xr.Dataset) -> str:
     file = shlex.quote(path)
+    try:
+        check_plain(result_settings(result))
+        command = solve_command(result, path)
+    except InputError as error:  # of another version, or more than settings
+        return f"\nIt is not run again as it stands: {error}"
     return (
         "\nTo run it again, with the versions above:\n"
         f"  bilayer rerun {file}\n"
         "or step by step:\n"
         f"  bilayer info {file} --specimen > again.toml\n"
-        f"  {solve_command(result, path)}"
+        f"  {command}"
     )

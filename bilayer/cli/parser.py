@@ -28,6 +28,14 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
 
+def add_trust_argument(verb: Parser) -> None:
+    """Add the option by which the user vouches for a file."""
+    verb.add_argument(
+        "--trust", action="store_true",
+        help="use also settings of the file that could run code or write files",
+    )  # fmt: skip
+
+
 def add_verb(verbs: Any, run: Callable[[Any], int], name: str, example: str) -> Parser:
     """Add a verb with the options that all of them share; `run` is what it does."""
     text = VERBS[name]

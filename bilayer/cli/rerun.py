@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bilayer.cli.parser import add_verb
+from bilayer.cli.parser import add_trust_argument, add_verb
 from bilayer.results.files import open_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import progress_bar
@@ -30,6 +30,7 @@ def add(verbs: Any) -> None:
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc")
     verb.add_argument("-o", "--output", metavar="FILE.nc", help="keep the new result")
+    add_trust_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -54,7 +55,7 @@ def _rerun(options: argparse.Namespace) -> int:
         )
     title = f"{result.attrs['solver']} {result.attrs['model']}"
     with progress_bar(title, shown=first and not options.quiet) as progress:
-        again = rerun(result, progress, options.output)
+        again = rerun(result, progress, options.output, trust=options.trust)
     table, good = differences(result, again), agree(result, again)
     if first:
         if not options.quiet:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from bilayer.cli.parser import add_verb
+from bilayer.cli.parser import add_trust_argument, add_verb
 from bilayer.errors import InputError
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import progress_bar
@@ -43,6 +43,7 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--retry-failed", action="store_true", help="compute again what failed or stopped early"
     )
+    add_trust_argument(verb)
     what = verb.add_mutually_exclusive_group()
     what.add_argument(
         "--dry-run", action="store_true", help="print cases, memory and time; compute nothing"
@@ -55,7 +56,7 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     join_mpi()
-    plan = read_study(options.study)
+    plan = read_study(options.study, trust=options.trust)
     jobs = available_cores() if options.jobs is None else _count("--jobs", options.jobs)
     ranks_per_case = _count("--ranks-per-case", options.ranks_per_case)
     world = world_of_ranks()

@@ -21,7 +21,7 @@ from bilayer.results.starting import ANOTHER_RESULT, FLAT_START
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.registry import settings_class, solve, solver_named
-from bilayer.specimen.settings import settings_from
+from bilayer.specimen.settings import check_plain, settings_from
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
@@ -40,7 +40,11 @@ def select_reached_milestones(result: xr.Dataset) -> xr.Dataset:
 
 
 def rerun(
-    result: xr.Dataset, progress: Progress | None = None, output: str | Path | None = None
+    result: xr.Dataset,
+    progress: Progress | None = None,
+    output: str | Path | None = None,
+    *,
+    trust: bool = False,
 ) -> xr.Dataset:
     """Compute the milestones of a result again.
 
@@ -52,6 +56,8 @@ def rerun(
         See `bilayer.runtime.progress.Progress`.
     output : path-like, optional
         File of the new result, see `bilayer.solve`.
+    trust : bool
+        Allow settings that could run code or write files. They come from the result's file.
 
     Returns
     -------
@@ -61,10 +67,11 @@ def rerun(
     Raises
     ------
     InputError
-        No solver of ours made it, or its settings are unknown to this version.
+        No solver of ours made it, or its settings are unknown to this version, or not plain.
     """
-    kind = settings_class(result.attrs["solver"], result.attrs["model"])
-    settings: Any = settings_from(kind, tomllib.loads(result.attrs["settings"]))
+    settings = result_settings(result)
+    if not trust:
+        check_plain(settings)
     return solve(
         result_specimen(result).with_milestones([(x, y) for x, y in stretches(result)]),
         result.attrs["solver"],
@@ -74,6 +81,18 @@ def rerun(
         progress=progress,
         output=output,
     )
+
+
+def result_settings(result: xr.Dataset) -> Any:
+    """Return the settings of a result.
+
+    Raises
+    ------
+    InputError
+        No solver of ours made it, or its settings are unknown to this version.
+    """
+    kind: Any = settings_class(result.attrs["solver"], result.attrs["model"])
+    return settings_from(kind, tomllib.loads(result.attrs["settings"]))
 
 
 def was_started_from_a_result(result: xr.Dataset) -> bool:

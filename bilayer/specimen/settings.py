@@ -5,7 +5,7 @@
 """
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from numbers import Real
 from typing import Any, TypeVar
 
@@ -21,9 +21,35 @@ BRANCH_CHOICES = ("lowest", "other", "unstable")
 """Values of the setting `branch`: the branch to follow after a loss of stability."""
 
 
-def setting(default: Any, text: str) -> Any:
-    """Return a dataclass field with a default and a description, its unit in brackets."""
-    return dataclasses.field(default=default, metadata={"text": text})
+def setting(default: Any, text: str, not_plain: Callable[[Any], str] | None = None) -> Any:
+    """Return a dataclass field with a default and a description, its unit in brackets.
+
+    Parameters
+    ----------
+    default : Any
+        The default.
+    text : str
+        The description.
+    not_plain : callable, optional
+        Takes a value and returns the part of it that could do more than compute: run code, or read
+        and write files. Returns an empty text if there is none. Left out: no value can.
+    """
+    return dataclasses.field(default=default, metadata={"text": text, "not_plain": not_plain})
+
+
+def check_plain(settings: Any) -> None:
+    """Raise InputError if a setting could do more than compute; for settings read from a file.
+
+    The text says what would be run.
+    """
+    for field in dataclasses.fields(settings):
+        not_plain = field.metadata.get("not_plain")
+        found = "" if not_plain is None else not_plain(getattr(settings, field.name))
+        if found:
+            raise InputError(
+                f"solver.{field.name}: {found!r} could run code or write files, expected plain "
+                "options in a file (docs/usage.md lists them); --trust allows it"
+            )
 
 
 def settings_from(kind: type[Settings], values: Mapping[str, Any]) -> Settings:

@@ -19,7 +19,7 @@ from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
 from bilayer.solvers.registry import SOLVERS, settings_class, solver_named
 from bilayer.specimen.prestretch import MILESTONES_FIELD
-from bilayer.specimen.settings import settings_from
+from bilayer.specimen.settings import check_plain, settings_from
 from bilayer.specimen.toml import parse_specimen_file
 from bilayer.study.case import Case
 from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
@@ -45,13 +45,15 @@ class StudyPlan:
     cases: tuple[Case, ...]
 
 
-def read_study(path: str | Path) -> StudyPlan:
+def read_study(path: str | Path, *, trust: bool = False) -> StudyPlan:
     """Read a study file; every case is checked.
 
     Parameters
     ----------
     path : path-like
         The TOML file; the specimen's path in it is relative to its folder.
+    trust : bool
+        Allow settings that could run code or write files.
 
     Raises
     ------
@@ -69,7 +71,11 @@ def read_study(path: str | Path) -> StudyPlan:
     settings = _settings_tables(tables.get("settings", {}), solvers)
     varied = _varied_rows(tables)
     _check_fields(varied[0], solvers)
-    return make_plan(specimen_text, solvers, settings, varied, specimen_path.parent)
+    plan = make_plan(specimen_text, solvers, settings, varied, specimen_path.parent)
+    if not trust:
+        for case in plan.cases:
+            check_plain(case.settings)
+    return plan
 
 
 def make_plan(

@@ -15,6 +15,7 @@ from petsc4py import PETSc
 
 from bilayer.runtime.termination import PutOff, signals_put_off
 from fenics_model.api.dolfinx_api import RESIDUAL_IS_NO_NUMBER
+from fenics_model.plain_options import PREFIX
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
 from fenics_model.solve.factors import Factors, why_factorisation_failed
@@ -22,7 +23,6 @@ from fenics_model.solve.layout import AssembledMatrix, Layout
 from fenics_model.solve.petsc_options import UserOptions
 from fenics_model.solve.stopwatch import Stopwatch
 
-PREFIX = "bilayer_"
 DEFAULT_OPTIONS = {
     "snes_type": "newtonls",
     "snes_linesearch_type": "basic",  # full steps
