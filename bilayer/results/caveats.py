@@ -1,9 +1,11 @@
-"""Caveats of a shape: it is not stable, passes through itself, or is of a thick shell."""
+"""Caveats of a shape: unstable, passing through itself, of a thick shell, on a coarse mesh."""
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bilayer.geometry.surface import Surface
+from bilayer.geometry.turns import turns_over_edges
 from bilayer.specimen.specimen import Specimen
 
 THICKEST_SHELL = 0.1
@@ -13,6 +15,14 @@ At a prestretch of 1.06 the solvers are within 0.5 % of that length of each othe
 0.2 (docs/any_sheet.md). At 1.2 they are about 1 % apart; but a thick sheet that is symmetric to its
 middle bends later by the shell than as a solid: a trilayer lotus of 0.15 is still flat by the shell
 at 1.2 where the solid has bent, 4 % away, and one of 0.1 has 0.86 of its height at 1.12.
+"""
+
+SHARPEST_TURN = np.radians(20)
+"""Rms angle between neighbouring triangles up to which a shell's mesh is fine enough, rad.
+
+An edge between triangles of size h turns by h k / sqrt(3) where the curvature is k: 20 degrees are
+0.6 mesh sizes to a radius of curvature. Beyond, the best sphere of the template is 2 to 8 % off
+(docs/theory-dshell.md, "Mesh and curvature").
 """
 
 
@@ -52,3 +62,23 @@ def thickness_share(specimen: Specimen) -> float:
 def is_thick(specimen: Specimen) -> bool:
     """Whether a sheet is so thick that a shell does not stand for it, see `THICKEST_SHELL`."""
     return thickness_share(specimen) > THICKEST_SHELL * (1 + 1e-9)
+
+
+def rms_turns(result: xr.Dataset) -> NDArray[np.float64]:
+    """Return the rms angle between neighbouring triangles at each milestone, rad; NaN: no shape.
+
+    It is the mesh size over the radius of curvature, see `SHARPEST_TURN`.
+    """
+    triangles = result["face_nodes"].values.astype(np.int64)
+    turns = [turns_over_edges(Surface(shape, triangles)) for shape in result["position"].values]
+    return np.array([np.sqrt(np.mean(turn**2)) for turn in turns])
+
+
+def is_coarse(result: xr.Dataset) -> NDArray[np.bool_]:
+    """Return for each milestone whether the mesh of a shell is too coarse for its curvature.
+
+    False for the finite-element model, whose elements are curved.
+    """
+    if result.attrs["solver"] != "dshell":
+        return np.zeros(result["converged"].shape, dtype=bool)
+    return np.asarray(rms_turns(result) > SHARPEST_TURN)

@@ -6,7 +6,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from bilayer.results.caveats import THICKEST_SHELL, is_thick, thickness_share
+from bilayer.results.caveats import (
+    SHARPEST_TURN,
+    THICKEST_SHELL,
+    is_coarse,
+    is_thick,
+    rms_turns,
+    thickness_share,
+)
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_specimen
@@ -101,6 +108,7 @@ def describe_trust(result: xr.Dataset) -> str:
         _describe_equilibrium(result),
         _describe_contact(result),
         *thickness_warnings(result),
+        *mesh_warnings(result),
         *law_warnings(result),
     ]
     return " ".join(sentences) + missing
@@ -160,6 +168,21 @@ def thickness_warnings(result: xr.Dataset) -> list[str]:
         f"The sheet is TOO THICK FOR A SHELL: its whole thickness is "
         f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
         f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
+    ]
+
+
+def mesh_warnings(result: xr.Dataset) -> list[str]:
+    """Return a sentence if the mesh of a shell is too coarse for the curvature of a shape."""
+    coarse = (result["converged"].values == 1) & is_coarse(result)
+    if not coarse.any():
+        return []
+    sharpest = rms_turns(result)[coarse].max()
+    return [
+        f"The mesh is TOO COARSE FOR THE CURVATURE at "
+        f"{', '.join(map(stretch_text, stretches(result)[coarse]))}: from triangle to triangle the "
+        f"surface turns by {np.degrees(sharpest):.0f} degrees (rms); above "
+        f"{np.degrees(SHARPEST_TURN):.0f} the shape is a percent and more off, so use a mesh of "
+        f"{SHARPEST_TURN / sharpest:.2g} of the size or less."
     ]
 
 

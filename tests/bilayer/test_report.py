@@ -1,8 +1,11 @@
 """The text of a result: how far it can be trusted."""
 
+from dataclasses import replace
+
 import pytest
 from made_results import cap_result, small_specimen
 
+from bilayer import MeshSize
 from bilayer.results.caveats import THICKEST_SHELL
 from bilayer.results.report import describe_trust, provenance
 from bilayer.specimen.specimen import Specimen
@@ -27,3 +30,19 @@ def test_a_shell_of_a_thick_sheet_is_not_trusted(solver, warned):
 @pytest.mark.parametrize("specimen", [small_specimen(), of_thickness(THICKEST_SHELL)])
 def test_a_shell_of_a_thin_sheet_is(specimen):
     assert "THICK" not in describe_trust(cap_result(specimen))
+
+
+@pytest.mark.parametrize(("solver", "warned"), [("dshell", True), ("fenics", False)])
+def test_a_shell_that_turns_sharply_from_triangle_to_triangle_is_not_trusted(solver, warned):
+    trust = describe_trust(cap_result(small_specimen((1.03, 1.6)), solver=solver))
+    assert ("TOO COARSE FOR THE CURVATURE at 1.6:" in trust) is warned
+
+
+def test_a_finer_mesh_of_it_is():
+    specimen = replace(small_specimen((1.6,)), mesh=MeshSize(0.005))
+    assert "COARSE" not in describe_trust(cap_result(specimen))
+
+
+def test_the_mesh_of_a_shape_that_was_not_reached_is_not_judged():
+    trust = describe_trust(cap_result(small_specimen((1.03, 1.6)), reached=1.03))
+    assert "COARSE" not in trust
