@@ -17,6 +17,7 @@ if not {"netCDF4", "h5py"} & set(sys.modules):  # what is loaded has read it alr
     os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 if TYPE_CHECKING:
+    from bilayer.cutting.files import write_cut_files
     from bilayer.errors import BilayerError, ComputationError, InputError
     from bilayer.figures import (
         draw_birds_eye,
@@ -74,6 +75,7 @@ if TYPE_CHECKING:
     from fenics_model.settings import SolidSettings
 
 _MODULES = {
+    "bilayer.cutting.files": ("write_cut_files",),
     "bilayer.errors": ("BilayerError", "ComputationError", "InputError"),
     "bilayer.figures": (
         "draw_birds_eye",

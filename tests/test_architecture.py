@@ -18,6 +18,7 @@ FLOORS = {
         ["runtime"],
         ["drawings"],
         ["specimen"],
+        ["cutting"],
         ["geometry"],
         ["mesh"],
         ["contact"],

@@ -45,7 +45,7 @@ def read_specimen_argument(options: argparse.Namespace, overrides: list[str]) ->
     specimen = read_specimen(options.specimen, overrides)
     if getattr(options, "prestretch", None) is None:
         return specimen
-    return specimen.with_milestones([_milestone(word) for word in options.prestretch])
+    return specimen.with_milestones([milestone_argument(word) for word in options.prestretch])
 
 
 def read_mesh_argument(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:
@@ -63,7 +63,7 @@ def read_mesh_argument(options: argparse.Namespace, specimen: Specimen) -> Plana
     return mesh
 
 
-def _milestone(word: str) -> Any:
+def milestone_argument(word: str) -> Any:
     """Read L or LX,LY; "1,06" is a decimal comma, not a stretch of 6."""
     if re.search(r",0\d", word):
         raise InputError(f"--prestretch {word}: expected a decimal point, not a comma")

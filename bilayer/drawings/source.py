@@ -38,8 +38,7 @@ class DrawingSource:
         Ends of lines that are nearer to each other than this are joined, m.
     origin : {"drawing", "centre"} or (float, float)
         The point of the drawing that becomes the origin: its own, the centre of the smallest
-        rectangle around all that is drawn, or one in m. The own one of SVG is the lower left
-        corner of its viewBox.
+        rectangle around all that is drawn, or one in m, y upwards.
     """
 
     path: Path

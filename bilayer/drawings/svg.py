@@ -53,8 +53,7 @@ class SvgDocument:
             raise InputError(
                 f"drawing = {str(path)!r}: cannot be read (not an SVG file: its root is {root.tag})"
             )
-        self._box = _view_box(root)
-        self.unit = _unit(root, self._box)
+        self.unit = _unit(root, _view_box(root))
         _name_groups(root, ())
         self._root = root
 
@@ -74,10 +73,7 @@ class SvgDocument:
         return found
 
     def upright(self, points: Points) -> Points:  # noqa: D102
-        if self._box is None:
-            return points * [1, -1]
-        x, y, _, height = self._box
-        return np.column_stack([points[:, 0] - x, y + height - points[:, 1]])
+        return points * [1, -1]
 
     def _shapes(self) -> list[Any]:
         """Return all that is drawn, in user coordinates: without the viewBox' transform."""

@@ -155,20 +155,20 @@ SVG_FILES = {
     "circle": (
         '<circle cx="30" cy="20" r="10" stroke="red" fill="none"/>',
         PAGE,
-        ellipse(30, 60, 10, 10),
+        ellipse(30, -20, 10, 10),
     ),
     "nested groups": (
         '<g transform="translate(10,5) scale(2)"><g transform="rotate(90)">'
         '<ellipse cx="10" cy="-8" rx="4" ry="2" stroke="red"/></g></g>',
         PAGE,
-        ellipse(26, 55, 4, 8),
+        ellipse(26, -25, 4, 8),
     ),
     "skewed": (
         '<circle cx="0" cy="0" r="5" transform="matrix(2 1 0 1 40 40)" stroke="red"/>',
         PAGE,
-        # x = 2 u + 40, y upwards = 40 - u - v
+        # x = 2 u + 40, y upwards = -40 - u - v
         25 * math.pi * np.array(
-            [2, 80, 80, 2 * (1600 + 25), 2 * (1600 + 12.5), 2 * (1600 - 12.5)]
+            [2, 80, -80, 2 * (1600 + 25), 2 * (1600 + 12.5), -2 * (1600 + 12.5)]
         ),
     ),
     "path with arcs": (
@@ -178,7 +178,7 @@ SVG_FILES = {
     ),
     "cubic": (
         # the same parabola as a cubic curve, from (-2, 0) over (0, -4) to (2, 0), y downwards
-        '<path transform="translate(50,80)" stroke="red" '
+        '<path transform="translate(50,0)" stroke="red" '
         'd="M -2,0 C -0.6666666666666666,-5.333333333333333 '
         '0.6666666666666666,-5.333333333333333 2,0 Z"/>',
         PAGE,
@@ -188,7 +188,7 @@ SVG_FILES = {
         '<defs><rect id="r" width="10" height="5"/></defs>'
         '<use xlink:href="#r" x="20" y="10" stroke="red"/>',
         PAGE,
-        box(20, 65, 30, 70),
+        box(20, -15, 30, -10),
     ),
 }  # fmt: skip
 
@@ -332,8 +332,8 @@ PETALS = (
 
 def test_a_specimen_holds_its_drawings(tmp_path: Path) -> None:
     svg(tmp_path / "petals.svg", PETALS, 'width="80mm" height="80mm" viewBox="0 0 80 80"')
-    pattern = '{ drawing = "petals.svg", layer = "cut", origin = ["40 mm", "40 mm"] }'
-    outline = 'outline = { drawing = "petals.svg", layer = "rim", origin = ["40 mm", "40 mm"] }'
+    pattern = '{ drawing = "petals.svg", layer = "cut", origin = ["40 mm", "-40 mm"] }'
+    outline = 'outline = { drawing = "petals.svg", layer = "rim", origin = ["40 mm", "-40 mm"] }'
     specimen = bilayer.read_specimen(sheet(tmp_path, pattern, outline))
     (tmp_path / "petals.svg").unlink()
     assert bilayer.parse_specimen(bilayer.specimen_to_toml(specimen)) == specimen
@@ -349,7 +349,7 @@ def test_a_specimen_holds_its_drawings(tmp_path: Path) -> None:
 def test_a_cut_outside_of_the_sheet_is_told_with_its_place(tmp_path: Path) -> None:
     svg(tmp_path / "far.svg", '<circle cx="70" cy="5" r="2" stroke="red"/>')
     path = sheet(tmp_path, '{ drawing = "far.svg" }')
-    with pytest.raises(InputError, match=r"outside of the sheet, around \(70, 75\) mm"):
+    with pytest.raises(InputError, match=r"outside of the sheet, around \(70, -5\) mm"):
         bilayer.read_specimen(path)
 
 
