@@ -3,6 +3,9 @@
 import sys
 
 from bilayer.cli.interrupted import tell_interruption
+from bilayer.runtime.surroundings import keep_surroundings_out
+from bilayer.runtime.temporary_folder import take_usable_temporary_folder
+from bilayer.runtime.terminal import open_standard_streams
 from bilayer.runtime.termination import signals_put_off, termination_as_ctrl_c
 
 
@@ -12,6 +15,9 @@ def main() -> int:
     What the command line needs takes a second to load. Ctrl-C and SIGTERM wait until it is there,
     because a module that is loaded by half may turn them into another error.
     """
+    open_standard_streams()
+    keep_surroundings_out()
+    take_usable_temporary_folder()
     try:
         with termination_as_ctrl_c(), signals_put_off():
             from bilayer.cli.main import main as run_verb

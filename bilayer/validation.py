@@ -2,11 +2,16 @@
 
 import math
 from collections.abc import Callable, Iterable
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 from numbers import Real
 from typing import Any
 
 from bilayer.errors import InputError
+
+NEAR, VERY_NEAR = 0.6, 0.8
+"""Share of letters that a name and the one suggested for it have in common, at least."""
+LONGEST_NAME = 100
+"""Letters of a name that are compared: the effort grows with their square."""
 
 
 def keep(
@@ -99,9 +104,16 @@ def text(field: str, value: Any) -> str:
 
 
 def nearest(name: Any, known: Iterable[str]) -> str:
-    """Return "; did you mean 'x'?" with the known name closest to `name`, or an empty text."""
-    match = get_close_matches(str(name), list(known), n=1, cutoff=0.5)
-    return f"; did you mean {match[0]!r}?" if match else ""
+    """Return "; did you mean 'x'?" with the known name nearest to `name`, if one is near.
+
+    Few mistype the first letter: a name with another one has to be nearer ("gif" is no "tif").
+    """
+    word = str(name)[:LONGEST_NAME]
+    for match in get_close_matches(word, list(known), n=3, cutoff=NEAR):
+        share = SequenceMatcher(None, match, word).ratio()
+        if share >= VERY_NEAR or match[:1] == word[:1]:
+            return f"; did you mean {match!r}?"
+    return ""
 
 
 def _quantity(value: Any, unit: str) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from bilayer.errors import ComputationError, InputError
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.runtime.petsc import start_petsc
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.specimen.specimen import Specimen
@@ -29,6 +30,7 @@ def open_path(
     `bilayer.specimen.support`. The shapes of `start` are the initial guesses. If one cannot be made
     or does not lead to a stable equilibrium, load steps are taken instead.
     """
+    start_petsc()  # before dolfinx does it, with the options of the user's environment
     try:
         import dolfinx.fem.petsc  # noqa: F401
         import slepc4py  # noqa: F401

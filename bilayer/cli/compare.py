@@ -7,6 +7,7 @@ from typing import Any
 from bilayer.cli.parser import add_verb
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
+from bilayer.runtime.terminal import say
 
 
 def add(verbs: Any) -> None:
@@ -29,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
         for side, path in zip(("first", "second"), options.results, strict=True):
             comparison.attrs[side] += f" ({Path(path).name})"
     if not options.quiet:
-        print(comparison_table(comparison))
+        say(comparison_table(comparison))
     if options.output is not None:
         save_figure(draw_comparison(comparison), options.output)
     return 0

@@ -6,6 +6,7 @@ from typing import Any
 from bilayer.cli.parser import add_verb
 from bilayer.results.conversion import convert, convert_milestones
 from bilayer.results.files import open_result
+from bilayer.runtime.terminal import one_line, say
 
 
 def add(verbs: Any) -> None:
@@ -34,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     result = open_result(options.result)
     if options.all:
         for path in convert_milestones(result, options.output, options.part):
-            print(path)
+            say(one_line(path))
     else:
         convert(result, options.output, options.prestretch, options.part)
     return 0

@@ -1,7 +1,6 @@
 """The verb `cut`: the files that a cutter needs, one for each layer."""
 
 import argparse
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +9,7 @@ from bilayer.cli.specimen_arguments import milestone_argument
 from bilayer.cutting.files import write_cut_files
 from bilayer.cutting.style import STYLES
 from bilayer.drawings.source import hexadecimal
+from bilayer.runtime.terminal import say, tell
 from bilayer.specimen.toml import read_specimen
 from bilayer.specimen.units import in_si
 
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     )  # fmt: skip
     for file in files:
         if not options.quiet:
-            print(file.words)
+            say(file.words)
         for obstacle in file.obstacles:
-            print(f"bilayer: warning: {file.part.layer}: {obstacle}", file=sys.stderr)
+            tell(f"bilayer: warning: {file.part.layer}: {obstacle}")
     return 0

@@ -11,6 +11,7 @@ from bilayer.cli.specimen_arguments import (
     read_mesh_argument,
     read_specimen_argument,
 )
+from bilayer.runtime.terminal import one_line, say
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
 
 
@@ -41,5 +42,5 @@ def run(options: argparse.Namespace) -> int:
         specimen, read_mesh_argument(options, specimen), options.output, settings
     ):
         if not options.quiet:
-            print(path)
+            say(one_line(path))
     return 0

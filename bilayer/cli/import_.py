@@ -1,7 +1,6 @@
 """The verb `import`: shapes that CalculiX computed from exported decks, as a result."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from bilayer.cli.specimen_arguments import (
 from bilayer.results.files import write_result
 from bilayer.results.report import law_warnings, result_table
 from bilayer.runtime.output_file import check_writable
+from bilayer.runtime.terminal import say, tell
 
 
 def add(verbs: Any) -> None:
@@ -40,8 +40,8 @@ def run(options: argparse.Namespace) -> int:
     result = import_calculix(options.frd, specimen, read_mesh_argument(options, specimen))
     write_result(result, options.output)
     if not options.quiet:
-        print(result_table(result), *law_warnings(result), sep="\n")
+        say("\n".join([result_table(result), *law_warnings(result)]))
     if bool(result["converged"].all()):
         return 0
-    print(f"bilayer: stopped early: {result.attrs['stop_reason']}", file=sys.stderr)
+    tell(f"bilayer: stopped early: {result.attrs['stop_reason']}")
     return 1

@@ -10,6 +10,7 @@ from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
 from bilayer.results.report import provenance
+from bilayer.runtime.terminal import one_line, say
 from bilayer.solvers.registry import SOLVERS
 from bilayer.solvers.rerun import result_settings, solve_command
 from bilayer.specimen.settings import check_plain
@@ -29,22 +30,22 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     result = open_result(options.result)
     if options.specimen:
-        print(result.attrs["specimen"], end="")
+        say(result.attrs["specimen"], end="")
         return 0
     lines = [provenance(result)]
     if result.attrs["solver"] in SOLVERS:
         lines.append(_to_run_again(options.result, result))
-    print("\n".join(lines))
+    say("\n".join(lines))
     return 0
 
 
 def _to_run_again(path: str, result: xr.Dataset) -> str:
-    file = shlex.quote(path)
+    file = one_line(shlex.quote(path))
     try:
         check_plain(result_settings(result))
-        command = solve_command(result, path)
+        command = one_line(solve_command(result, path))
     except InputError as error:  # of another version, or more than settings
-        return f"\nIt is not run again as it stands: {error}"
+        return f"\nIt is not run again as it stands: {one_line(error)}"
     return (
         "\nTo run it again, with the versions above:\n"
         f"  bilayer rerun {file}\n"

@@ -4,6 +4,7 @@ import argparse
 from typing import Any
 
 from bilayer.cli.parser import add_verb
+from bilayer.runtime.terminal import say
 from bilayer.specimen.toml import template
 
 
@@ -17,5 +18,5 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
-    print(template(), end="")
+    say(template(), end="")
     return 0

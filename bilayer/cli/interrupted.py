@@ -1,10 +1,10 @@
 """A run that was interrupted, as the command line tells it: one line, and the exit status."""
 
-import sys
 from collections.abc import Iterator
 
 from bilayer.errors import Interrupted, Terminated
 from bilayer.runtime.ranks import is_first_rank
+from bilayer.runtime.terminal import tell
 
 CTRL_C, TERMINATED = 130, 143
 """Exit statuses, as those of a shell whose command a signal ended."""
@@ -18,7 +18,7 @@ def tell_interruption(interrupt: KeyboardInterrupt) -> int:
         done, count = int(result["converged"].sum()), result.sizes["prestretch"]
         line += f"; {interrupt.output} has {done} of {count} milestones"
     if is_first_rank():
-        print(line, file=sys.stderr)
+        tell(line)
     return TERMINATED if any(isinstance(link, Terminated) for link in _chain(interrupt)) else CTRL_C
 
 

@@ -5,17 +5,17 @@ that failed or stopped early, 0 success.
 """
 
 import argparse
-import os
 import sys
 import traceback
 from collections.abc import Sequence
 
 from bilayer.cli.interrupted import tell_interruption
-from bilayer.cli.parser import Parser
+from bilayer.cli.parser import Parser, main_parser
 from bilayer.cli.spare_pint import spare_pint
 from bilayer.cli.verbs import VERBS, load_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.ranks import abort_other_ranks, is_first_rank
+from bilayer.runtime.terminal import drop_stdout, flush_stdout, tell, tell_lines
 from bilayer.runtime.version import __version__
 
 
@@ -28,10 +28,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The words after `bilayer`; those of the process if left out.
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
-    options = _parser(words).parse_args(words)
+    options = argparse.Namespace(verbose=False)
     try:
-        status = options.run(options)
-        sys.stdout.flush()
+        options = _parser(words).parse_args(words)
+        status: int = options.run(options)
+        flush_stdout()
         return status
     except BilayerError as error:
         return _fail(error, options, 2 if isinstance(error, InputError) else 1)
@@ -40,30 +41,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         return tell_interruption(interrupt)
     except BrokenPipeError:  # the reader of our stdout has gone, as in `bilayer init | head -3`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_stdout()
         return 0
     except OSError as error:  # of stdout, as on a full disk
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123  # what is buffered has nowhere to go
+        drop_stdout()
         return _fail(error, options, 1)
     except Exception:
-        traceback.print_exc()
+        tell_lines(traceback.format_exc())
         abort_other_ranks()
         return 1
 
 
 def _fail(error: BaseException, options: argparse.Namespace, status: int) -> int:
     if options.verbose:
-        traceback.print_exc()
+        tell_lines(traceback.format_exc())
     if is_first_rank():
-        text = " ".join(str(error).split()) or type(error).__name__
-        print(f"bilayer: error: {text}", file=sys.stderr)
+        tell(f"bilayer: error: {' '.join(str(error).split()) or type(error).__name__}")
     return status
 
 
 def _parser(words: Sequence[str]) -> Parser:
     """Return the parser of a command: the verb that it calls has arguments, the others help."""
     called = next((word for word in words if not word.startswith("-")), None)
-    parser = Parser(
+    parser = main_parser(
         prog="bilayer",
         description="The 3D shape that a flat kirigami bilayer takes on release.",
         epilog="example:\n  bilayer init > specimen.toml\n"

@@ -12,6 +12,7 @@ from bilayer.cli.specimen_arguments import (
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import write_planar_mesh
 from bilayer.runtime.output_file import check_writable
+from bilayer.runtime.terminal import say
 
 
 def add(verbs: Any) -> None:
@@ -37,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     write_planar_mesh(mesh, output)
     save_figure(draw_mesh(mesh), output.with_suffix(".png"))
     if not options.quiet:
-        print(
+        say(
             f"{len(mesh.points)} nodes, {len(mesh.triangles)} triangles, "
             + ", ".join(
                 f"{len(mesh.faces_of(name))} of them {name}"

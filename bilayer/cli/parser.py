@@ -1,10 +1,13 @@
 """Parsing the words of a verb: its options, those that all verbs share, and its errors."""
 
 import argparse
+import sys
 from collections.abc import Callable
 from typing import Any, NoReturn
 
 from bilayer.cli.verbs import VERBS
+from bilayer.runtime.terminal import flush_stdout, say, tell
+from bilayer.validation import nearest
 
 
 class Parser(argparse.ArgumentParser):
@@ -19,6 +22,31 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """End with exit status 2 and one line on stderr."""
         self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Raise ArgumentError, with the nearest choice, unless a word is one of the choices."""
+        if action.choices is not None and value not in action.choices:
+            choices = list(map(str, action.choices))
+            expected = f"expected one of {', '.join(choices)}{nearest(value, choices)}"
+            raise argparse.ArgumentError(action, f"invalid choice: {value!r}, {expected}")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:  # type: ignore[override]
+        """Parse; for an option that is not known, the error names the nearest one."""
+        known, rest = super().parse_known_args(args, namespace)
+        unknown = [word for word in rest if word.startswith("-")]
+        if unknown:
+            options = list(self._option_string_actions)
+            name = unknown[0].partition("=")[0]
+            self.error(f"unknown option {name}{nearest(name, options)}")
+        return known, rest
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print a help text, the version or an error; argparse itself loses it on a full disk."""
+        if file is sys.stdout:
+            say(message, end="")
+            flush_stdout()
+        elif message:
+            tell(message.removesuffix("\n"))
 
     def format_help(self) -> str:
         """Return the help text; the late epilog is computed now."""
@@ -36,11 +64,26 @@ def add_trust_argument(verb: Parser) -> None:
     )  # fmt: skip
 
 
+def main_parser(**options: Any) -> Parser:
+    """Return the parser of the command, with the options that may stand before a verb, too."""
+    parser = Parser(**options)
+    _add_options_of_all(parser, default=False)
+    return parser
+
+
 def add_verb(verbs: Any, run: Callable[[Any], int], name: str, example: str) -> Parser:
     """Add a verb with the options that all of them share; `run` is what it does."""
     text = VERBS[name]
     verb = verbs.add_parser(name, help=text, description=text, epilog=f"example:\n  {example}")
-    verb.add_argument("--quiet", action="store_true", help="no progress, no table")
-    verb.add_argument("--verbose", action="store_true", help="settings in use, traces of errors")
+    _add_options_of_all(verb, default=argparse.SUPPRESS)  # else it takes back what came before
     verb.set_defaults(run=run)
     return verb
+
+
+def _add_options_of_all(parser: Parser, default: Any) -> None:
+    parser.add_argument(
+        "--quiet", action="store_true", default=default, help="no progress, no table"
+    )
+    parser.add_argument(
+        "--verbose", action="store_true", default=default, help="settings in use, traces of errors"
+    )

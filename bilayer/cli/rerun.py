@@ -1,7 +1,6 @@
 """The verb `rerun`: a result computed again, and whether the numbers agree."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from bilayer.results.files import open_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
+from bilayer.runtime.terminal import say, tell
 from bilayer.runtime.termination import termination_as_ctrl_c
 from bilayer.solvers.registry import solver_named
 from bilayer.solvers.rerun import (
@@ -48,10 +48,9 @@ def _rerun(options: argparse.Namespace) -> int:
     if options.output is not None:
         check_writable(Path(options.output))
     if first and was_started_from_a_result(result):
-        print(
+        tell(
             f"bilayer: it was started from {result.attrs['start']}, which it does not hold; "
-            "computed as usual",
-            file=sys.stderr,
+            "computed as usual"
         )
     title = f"{result.attrs['solver']} {result.attrs['model']}"
     with progress_bar(title, shown=first and not options.quiet) as progress:
@@ -59,7 +58,7 @@ def _rerun(options: argparse.Namespace) -> int:
     table, good = differences(result, again), agree(result, again)
     if first:
         if not options.quiet:
-            print(table.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+            say(table.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
         same = "to the last bit" if table["same_bits"].all() else f"to {AGREEMENT:g} of the radius"
-        print(f"The two runs agree {same}." if good else "The two runs DO NOT AGREE.")
+        say(f"The two runs agree {same}." if good else "The two runs DO NOT AGREE.")
     return 0 if good else 1

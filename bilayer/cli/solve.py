@@ -1,7 +1,6 @@
 """The verb `solve`: the released shapes of a specimen, by one of the solvers."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from bilayer.results.schema import NOT_MEASURED
 from bilayer.runtime.output_file import check_writable, remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
+from bilayer.runtime.terminal import say, tell
 from bilayer.runtime.termination import termination_as_ctrl_c
 from bilayer.solvers.registry import SOLVERS, STARTS, settings_class, solve, solver_named
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
@@ -72,7 +72,7 @@ def _solve(options: argparse.Namespace) -> int:
     mesh = None if options.mesh is None else read_mesh_argument(options, specimen)
     start = options.start if options.start in (None, *STARTS) else open_result(options.start)
     if options.verbose and first:
-        print(settings, file=sys.stderr)
+        tell(settings)
     if options.resume and first:
         remove_leftovers(output)
     with progress_bar(options.solver, shown=first and not options.quiet) as progress:
@@ -87,7 +87,7 @@ def _solve(options: argparse.Namespace) -> int:
             resume=output if options.resume and output.exists() else None,
         )
     if first and not options.quiet:
-        print(result_table(result), *law_warnings(result), sep="\n")
+        say("\n".join([result_table(result), *law_warnings(result)]))
     return _status_of(result, settings, told=first)
 
 
@@ -102,9 +102,9 @@ def _describe_settings() -> str:
 def _status_of(result: Any, settings: Any, told: bool) -> int:
     """Return 1 for a run that stopped early, unless stopping is one of the model's results."""
     if told and NOT_MEASURED in result.attrs:
-        print(f"bilayer: not measured: {result.attrs[NOT_MEASURED]}", file=sys.stderr)
+        tell(f"bilayer: not measured: {result.attrs[NOT_MEASURED]}")
     if bool(result["converged"].all()):
         return 0
     if told:
-        print(f"bilayer: stopped early: {result.attrs['stop_reason']}", file=sys.stderr)
+        tell(f"bilayer: stopped early: {result.attrs['stop_reason']}")
     return 0 if getattr(settings, "stopping_is_a_result", False) else 1

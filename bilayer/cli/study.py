@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import sys
 from typing import Any
 
 import pandas as pd
@@ -12,6 +11,7 @@ from bilayer.errors import InputError
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
+from bilayer.runtime.terminal import one_line, say, tell
 from bilayer.study.estimate import estimate, estimate_text
 from bilayer.study.folder import CASE_DONE, CASE_LACKS_MEMORY, StudyFolder
 from bilayer.study.index import read_index
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
         memory = available_memory(world)
         if is_first_rank():
             at_a_time = jobs if world is None else -(-world.Get_size() // ranks_per_case)
-            print(_expectation(plan, options, at_a_time, memory))
+            say(_expectation(plan, options, at_a_time, memory))
         return 0
     if options.case is not None:
         return _run_case(plan, options, world)
@@ -94,7 +94,7 @@ def _run_case(plan: StudyPlan, options: argparse.Namespace, world: Any) -> int:
 
 
 def _notice(line: str) -> None:
-    print(f"bilayer: {line}", file=sys.stderr)
+    tell(f"bilayer: {line}")
 
 
 def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory: float) -> str:
@@ -107,7 +107,7 @@ def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory
     lines = [
         f"{len(plan.cases)} cases, {estimate_text(estimate(fitting, index), at_a_time)}",
         *(
-            f"case {case.identity} ({case}) {CASE_LACKS_MEMORY}: {why}"
+            one_line(f"case {case.identity} ({case}) {CASE_LACKS_MEMORY}: {why}")
             for case, why in shortages.items()
         ),
     ]
@@ -119,14 +119,11 @@ def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:
     cases = index.drop_duplicates("case")
     bad = cases[cases["status"] != CASE_DONE]
     for _, case in bad.iterrows():
-        print(
-            f"bilayer: case {case['case']} ({_values(case)}) {case['status']}: {case['reason']}",
-            file=sys.stderr,
-        )
+        tell(f"bilayer: case {case['case']} ({_values(case)}) {case['status']}: {case['reason']}")
     if not options.quiet:
         counts = cases["status"].value_counts()
-        print(", ".join(f"{count} {status}" for status, count in counts.items()))
-        print(StudyFolder(options.output).index_file)
+        say(", ".join(f"{count} {status}" for status, count in counts.items()))
+        say(one_line(StudyFolder(options.output).index_file))
     return _status(index)
 
 

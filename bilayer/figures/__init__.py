@@ -1,5 +1,6 @@
 """The figures: what is drawn, by name, and how it is saved. Solvers have no use for them."""
 
+from bilayer.figures import backend  # noqa: F401  # first: it loads matplotlib
 from bilayer.figures.mesh import draw_mesh
 from bilayer.figures.quality import (
     draw_comparison,

@@ -15,6 +15,7 @@ from bilayer.figures.style import (
     MM_PER_M,
     RESULT_COLOURS,
     RESULT_MARKERS,
+    label_text,
     new_figure,
     print_style,
 )
@@ -40,7 +41,7 @@ def draw_quality(results: Sequence[xr.Dataset]) -> Figure:
         axes = figure.add_subplot()
         for k, result in enumerate(_each("results", results)):
             stretch, quality = result["prestretch"].values, result["quality"].values
-            _draw_line(axes, stretch, quality, k, result_label(result))
+            _draw_line(axes, stretch, quality, k, label_text(result_label(result)))
             mark_caveats(axes, stretch, quality, is_unstable(result), touches_itself(result))
         _label_quality(axes)
         figure.legend(loc="outside upper center", ncols=2)
@@ -74,8 +75,8 @@ def draw_quality_against(shell: xr.Dataset, reference: xr.Dataset) -> Figure:
                 axes.annotate(f"{stretch:g}", (x, y), xytext=(5, -3), textcoords="offset points",
                               va="top", fontsize=8)  # fmt: skip
         axes.set(xlim=(0, 1), ylim=(0, 1), aspect="equal")
-        axes.set_xlabel(f"quality of {comparison.attrs['first']}")
-        axes.set_ylabel(f"quality of {comparison.attrs['second']}")
+        axes.set_xlabel(f"quality of {label_text(comparison.attrs['first'])}")
+        axes.set_ylabel(f"quality of {label_text(comparison.attrs['second'])}")
         axes.grid(True)
         figure.legend(loc="outside upper center", ncols=2)
     return figure
@@ -84,7 +85,7 @@ def draw_quality_against(shell: xr.Dataset, reference: xr.Dataset) -> Figure:
 def draw_comparison(comparison: xr.Dataset) -> Figure:
     """Draw what `bilayer.results.comparison.compare` found: rms distance, quality and height."""
     comparison = along_milestones(comparison)
-    labels = [comparison.attrs["first"], comparison.attrs["second"]]
+    labels = [label_text(comparison.attrs[side]) for side in ("first", "second")]
     stretch = comparison["prestretch"].values
     with print_style():
         figure = new_figure(7.2, 3.0)
@@ -123,11 +124,11 @@ def draw_distances(comparisons: Sequence[xr.Dataset]) -> Figure:
         axes = figure.add_subplot()
         for k, comparison in enumerate(_each("comparisons", comparisons), start=1):
             percent = 100 * comparison["rms_distance_over_radius"].values
-            label = comparison.attrs["second"]
+            label = label_text(comparison.attrs["second"])
             stretch = comparison["prestretch"].values
             axes.semilogy(stretch, percent, label=label, **_line_style(k))
             mark_caveats(axes, stretch, percent, *_against_either(comparison))
-        axes.set_ylabel(f"rms distance to {comparisons[0].attrs['first']} (% of R)")
+        axes.set_ylabel(f"rms distance to {label_text(comparisons[0].attrs['first'])} (% of R)")
         _finish(axes)
         figure.legend(loc="outside upper center", ncols=len(comparisons))
     return figure

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bilayer.figures.style import BARE_COLOUR, FURTHER_COLOURS, KIRIGAMI_COLOUR
+from bilayer.figures.style import BARE_COLOUR, FURTHER_COLOURS, KIRIGAMI_COLOUR, label_text
 from bilayer.mesh.planar import PlanarMesh
 
 MANY = {2: "bilayer", 3: "trilayer"}
@@ -22,8 +22,10 @@ def region_name(mesh: PlanarMesh, region: int) -> str:
     layers = sorted(mesh.layer_sets[region])
     count = len(frozenset().union(*mesh.layer_sets))
     if len(layers) == 1:
-        return f"bare {layers[0]}" if count > 1 else layers[0]
-    return MANY.get(count, "all layers") if len(layers) == count else " + ".join(layers)
+        return label_text(f"bare {layers[0]}" if count > 1 else layers[0])
+    if len(layers) == count:
+        return MANY.get(count, "all layers")
+    return label_text(" + ".join(layers))
 
 
 def region_colours(mesh: PlanarMesh, full: str = KIRIGAMI_COLOUR, bare: str = BARE_COLOUR,

@@ -23,6 +23,7 @@ from bilayer.errors import InputError
 from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.style import (
     MM_PER_M,
+    label_text,
     new_figure,
     print_style,
 )
@@ -210,7 +211,8 @@ def _draw_legend(figure: SubFigure, result: xr.Dataset, mesh: PlanarMesh) -> Non
         Patch(color=colours[region], label=region_name(mesh, region)) for region in regions_of(mesh)
     ]
     columns = min(len(patches), 2) if len(patches) < 5 else 3
-    figure.legend(handles=patches, loc="center", ncols=columns, title=result_label(result))
+    title = label_text(result_label(result))
+    figure.legend(handles=patches, loc="center", ncols=columns, title=title)
 
 
 def _face_colours(mesh: PlanarMesh) -> Array:

@@ -7,6 +7,8 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from bilayer.runtime.terminal import one_line
+
 MM_PER_M = 1e3
 """Millimetres in a metre: lengths are drawn in mm."""
 
@@ -33,6 +35,28 @@ _STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "svg.hashsalt": "bilayer",  # the same names of parts in every file
 }
+
+
+LONGEST_LABEL = 120
+"""Letters of a name that are drawn."""
+
+
+def label_text(name: object) -> str:
+    r"""Return a name from a file as a label: nothing in it is read as mathematics or as a command.
+
+    matplotlib takes what stands between two dollar signs for mathematics, and leaves labels that
+    begin with an underscore out of the legend.
+
+    Examples
+    --------
+    >>> label_text("cost in $_a$")
+    'cost in \$_a\$'
+    """
+    text = one_line(name)
+    if len(text) > LONGEST_LABEL:
+        text = f"{text[:LONGEST_LABEL]}..."
+    text = text.replace("$", r"\$")
+    return f"\N{ZERO WIDTH SPACE}{text}" if text.startswith("_") else text
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.runtime.terminal import one_line
 from bilayer.specimen.layer import Layer
 from bilayer.specimen.specimen import MeshSize, Specimen
 
@@ -117,7 +118,7 @@ def comparison_table(comparison: xr.Dataset) -> str:
                     ("yes" if found else "no") if there else "-"
                     for found, there in zip(result[name].values, reached, strict=True)
                 ]
-    heading = f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}"
+    heading = one_line(f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}")
     return f"{heading}\n{pd.DataFrame(columns).to_string(index=False)}"
 
 

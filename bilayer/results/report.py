@@ -18,6 +18,7 @@ from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.runtime.terminal import one_line
 from bilayer.specimen.layer import BondedLayer, Response
 from bilayer.specimen.materials import stability_warning
 from bilayer.specimen.specimen import Specimen
@@ -68,7 +69,8 @@ def provenance(result: xr.Dataset) -> str:
         lines.append(f"stopped     {result.attrs['stop_reason']}")
     if NOT_MEASURED in result.attrs:
         lines.append(f"unmeasured  {result.attrs[NOT_MEASURED]}")
-    return "\n".join([*lines, "", result_table(result), "", describe_trust(result)])
+    shown = [one_line(line) for line in lines]  # a name in the file makes no further lines
+    return "\n".join([*shown, "", result_table(result), "", describe_trust(result)])
 
 
 def _energies(result: xr.Dataset) -> str:

@@ -5,6 +5,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from bilayer.runtime.terminal import tell
+
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
 
@@ -54,6 +56,6 @@ def _lines(title: str) -> Progress:
         now = time.monotonic()
         if now - last >= SECONDS_BETWEEN_LINES:
             last = now
-            print(f"{title}: {fraction:.0%}, {message}, {now - begin:.0f} s", file=sys.stderr)
+            tell(f"{title}: {fraction:.0%}, {message}, {now - begin:.0f} s")
 
     return progress

@@ -4,10 +4,11 @@ import contextlib
 import os
 import sys
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 from bilayer.errors import BilayerError, ComputationError
+from bilayer.runtime.petsc import start_petsc
+from bilayer.runtime.temporary_folder import take_usable_temporary_folder
 
 LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
 """Variables by which mpirun, or srun in its place, tells a process its rank."""
@@ -15,21 +16,12 @@ LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
 
 def join_mpi() -> None:
     """Start MPI if it is installed, so that only one of several ranks speaks and writes."""
+    take_usable_temporary_folder()
     with contextlib.suppress(ImportError):
         import mpi4py.MPI
 
         if mpi4py.MPI.COMM_WORLD.Get_size() > 1:
             start_petsc()
-
-
-def start_petsc() -> None:
-    """Start PETSc and SLEPc if they are installed, on all ranks at once.
-
-    Their start waits for every rank; later some may have nothing to compute and never get there.
-    """
-    for library in ("petsc4py.PETSc", "slepc4py.SLEPc"):
-        with contextlib.suppress(ImportError):
-            import_module(library)
 
 
 def is_first_rank() -> bool:

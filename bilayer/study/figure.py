@@ -17,7 +17,13 @@ from matplotlib.figure import Figure
 from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
 from bilayer.figures.quality import PRESTRETCH_LABEL, QUALITY_LABEL
-from bilayer.figures.style import RESULT_COLOURS, RESULT_MARKERS, new_figure, print_style
+from bilayer.figures.style import (
+    RESULT_COLOURS,
+    RESULT_MARKERS,
+    label_text,
+    new_figure,
+    print_style,
+)
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.validation import nearest
 
@@ -67,18 +73,21 @@ def draw_study(
         axes = figure.add_subplot()
         for k, (value, line) in enumerate(lines):
             look = _line_style(k, len(lines))
-            label = y if hue is None else _value_text(hue, value)
+            label = label_text(y if hue is None else _value_text(hue, value))
             axes.plot(line[x], line[y], label=label, clip_on=False, **look)
         _mark(axes, table, x, y)
-        axes.set_xlabel(LABELS.get(x, _with_unit(x, _field_unit(x))))
-        axes.set_ylabel(LABELS.get(y, _with_unit(y, study[y].attrs.get("units", "1"))))
+        axes.set_xlabel(label_text(LABELS.get(x, _with_unit(x, _field_unit(x)))))
+        y_label = LABELS.get(y, _with_unit(y, study[y].attrs.get("units", "1")))
+        axes.set_ylabel(label_text(y_label))
         if y == "quality":
             axes.set_ylim(0, 1)
         if pd.api.types.is_integer_dtype(table[x]):
             axes.set_xticks(sorted(table[x].unique()))
         axes.grid(True)
         fixed = {name: value for name, value in (chosen or {}).items() if name not in (x, hue)}
-        axes.set_title(", ".join(_value_text(name, value) for name, value in fixed.items()))
+        axes.set_title(
+            label_text(", ".join(_value_text(name, value) for name, value in fixed.items()))
+        )
         figure.legend(loc="outside upper center", ncols=3)
     return figure
 

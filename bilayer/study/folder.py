@@ -12,7 +12,6 @@ import fcntl
 import json
 import os
 import shutil
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -26,6 +25,7 @@ import xarray as xr
 from bilayer.errors import ComputationError, InputError
 from bilayer.results.files import write_result
 from bilayer.runtime.output_file import check_writable, whole_file
+from bilayer.runtime.terminal import tell
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 
@@ -288,10 +288,7 @@ class StudyFolder:
                 if free:
                     return
             if not told:
-                print(
-                    "bilayer: waiting for processes of an earlier start that still compute",
-                    file=sys.stderr,
-                )
+                tell("bilayer: waiting for processes of an earlier start that still compute")
                 told = True
             time.sleep(0.2)
 

@@ -13,6 +13,10 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 
+from bilayer.runtime.temporary_folder import (
+    LONGEST_FOR_SOCKETS,
+    take_usable_temporary_folder,
+)
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
@@ -80,6 +84,7 @@ def compute_in_processes(
 
 
 def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
+    take_usable_temporary_folder(LONGEST_FOR_SOCKETS)
     context = multiprocessing.get_context("forkserver")  # not from this process, which may use MPI
     context.set_forkserver_preload([__name__])
     return ProcessPoolExecutor(1, context, initializer=_begin_work, initargs=(folder,))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from bilayer.errors import BilayerError
-from bilayer.runtime.ranks import start_petsc
+from bilayer.runtime.petsc import start_petsc
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder

@@ -15,6 +15,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from bilayer.errors import ComputationError
+from bilayer.runtime.petsc import start_petsc
 
 Array = NDArray[np.float64]
 
@@ -155,6 +156,7 @@ class _PetscSystem:
     """The upper half of a matrix in PETSc, its direct solver, and the factor that it holds."""
 
     def __init__(self, package: str, options: dict[str, float]) -> None:
+        start_petsc()
         from petsc4py import PETSc
 
         self._petsc = PETSc

@@ -9,6 +9,7 @@ import xarray as xr
 from made_results import cap_result, small_specimen
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
+from matplotlib.text import Text
 from scipy.spatial.transform import Rotation
 from sheets import OUTLINES, PATTERNS, trilayer
 
@@ -261,3 +262,31 @@ def test_shapes_with_something_against_them_are_marked(whole):
     table = comparison_table(compare(whole, doubtful))
     assert "unstable" in table and "contact" in table
     assert "unstable" not in comparison_table(compare(whole, whole))
+
+
+LIKE_MATHEMATICS = ["_shell {}%s", "$\\nonsense_{$ 5 %", r"\$ a$_b$c", "x^2_{\n" + "z" * 10**5]
+
+
+@pytest.mark.parametrize("name", LIKE_MATHEMATICS, ids=range(len(LIKE_MATHEMATICS)))
+def test_a_name_is_drawn_as_it_is_written(tmp_path, name):
+    result = cap_result(model=name)
+    comparison = compare(result, result)
+    comparison.attrs |= {"first": name, "second": f"{name} again"}
+    for draw, data in (
+        (draw_shapes, result.isel(prestretch=[0])),
+        (draw_quality, [result, result]),
+        (draw_comparison, comparison),
+        (draw_distances, [comparison]),
+    ):
+        figure = draw(data)
+        save_figure(figure, tmp_path / "figure.svg")
+        words = [text.get_text() for text in figure.findobj(Text)]
+        shown = name[:50].replace("$", r"\$").replace("\n", r"\n")
+        assert any(shown in text for text in words)
+
+
+def test_a_name_that_begins_with_an_underscore_is_in_the_legend():
+    comparison = compare(cap_result(), cap_result())
+    comparison.attrs["second"] = "_mine"
+    (legend,) = draw_distances([comparison]).legends
+    assert [text.get_text().strip("\N{ZERO WIDTH SPACE}") for text in legend.texts] == ["_mine"]

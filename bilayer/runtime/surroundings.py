@@ -1,0 +1,50 @@
+"""The variables of the user's environment that have no say in what the command line does.
+
+Each would change numbers that a result does not tell of, or end a library that reads it in a trace.
+What is removed here is hidden from all libraries and from the processes that this one starts.
+"""
+
+import os
+import re
+import sys
+import warnings
+
+IGNORED = (
+    "HDF5_DRIVER", "HDF5_DRIVER_CONFIG", "HDF5_PLUGIN_PATH", "HDF5_PLUGIN_PRELOAD",
+    "HDF5_VOL_CONNECTOR", "HDF5_DISABLE_VERSION_CHECK",
+    "MATPLOTLIBRC", "MPLBACKEND",
+    "PETSC_OPTIONS", "PETSC_OPTIONS_YAML",
+    "PYTHONINSPECT", "PYTHONWARNINGS",
+)  # fmt: skip
+IGNORED_BEGINNINGS = ("TQDM_",)
+CHECKED = {
+    "HDF5_USE_FILE_LOCKING": "TRUE|FALSE|BEST_EFFORT|1|0",
+    "OMP_NUM_THREADS": r"[1-9]\d{0,3}(,[1-9]\d{0,3})*",
+    "OPENBLAS_NUM_THREADS": r"[1-9]\d{0,3}",
+    "COLUMNS": r"[1-9]\d{1,3}",
+}
+"""Variables that are kept if they hold what they may hold."""
+
+
+def keep_surroundings_out() -> None:
+    """Remove from the environment of this process what must not have a say, and odd values."""
+    warned_by_variable = bool(os.environ.get("PYTHONWARNINGS"))
+    for name in list(os.environ):
+        if name in IGNORED or name.startswith(IGNORED_BEGINNINGS):
+            del os.environ[name]
+    for name, pattern in CHECKED.items():
+        if name in os.environ and not re.fullmatch(pattern, os.environ[name]):
+            del os.environ[name]
+    _silence_libraries(warned_by_variable)
+
+
+def _silence_libraries(asked_by_variable: bool) -> None:
+    """Let libraries warn nobody: their warnings are for those who write programs.
+
+    `python -W` still says which ones are shown.
+    """
+    if asked_by_variable:
+        sys.warnoptions.clear()  # handed on to other processes
+        warnings.resetwarnings()
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")

@@ -1,0 +1,139 @@
+r"""The words of a process: what was asked for on stdout, progress and errors on stderr.
+
+Nothing else writes to either. Text from files is shown as text: an escape sequence or a newline in
+a name is written out, as in "\u001b[2J", and moves no cursor and makes no line.
+"""
+
+import io
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TextIO
+
+_KEPT = frozenset("\n\t")
+_SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
+"""Written out as in TOML, so that a specimen that is shown reads back the same."""
+
+
+def printable(text: object) -> str:
+    r"""Return a text in which all that is not printed, but for newlines and tabs, is written out.
+
+    Examples
+    --------
+    >>> printable("one\ttwo\x1b[31m\n")
+    'one\ttwo\\u001b[31m\n'
+    """
+    return "".join(_shown(letter, _KEPT) for letter in str(text))
+
+
+def one_line(text: object) -> str:
+    r"""Return a text in one line: newlines and tabs are written out, too.
+
+    Examples
+    --------
+    >>> one_line("paper\nTo run it again:")
+    'paper\\nTo run it again:'
+    """
+    return "".join(_shown(letter) for letter in str(text))
+
+
+def _shown(letter: str, kept: frozenset[str] = frozenset()) -> str:
+    if letter.isprintable() or letter in kept:
+        return letter
+    code = ord(letter)
+    return _SHORT.get(letter) or (f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}")
+
+
+def say(text: object, end: str = "\n") -> None:
+    """Write a text to stdout: what a verb was asked for.
+
+    Raises
+    ------
+    OSError
+        It cannot be written: the disk is full, or the reader has gone (BrokenPipeError).
+    """
+    if sys.stdout is not None:  # it is None where it was closed
+        print(printable(text), end=end)
+
+
+def tell(text: object) -> None:
+    """Write a line to stderr; what cannot be written there is lost and stops nothing."""
+    with suppress(OSError, ValueError):
+        print(one_line(text), file=sys.stderr or io.StringIO(), flush=True)
+
+
+def tell_lines(text: object) -> None:
+    """Write several lines to stderr, such as the trace of an error."""
+    for line in str(text).splitlines():
+        tell(line)
+
+
+def open_standard_streams() -> None:
+    """Make stdin, stdout and stderr fit to be written to, whatever this process was started with.
+
+    Closed ones become the null device: else the next file that is opened would take their place,
+    and what a library prints would land in it. A letter that a stream cannot hold is written out.
+    """
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            with suppress(OSError):
+                os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    sys.stdout = _fit(sys.stdout)
+    sys.stderr = _Forgiving(_fit(sys.stderr))  # type: ignore[assignment]
+
+
+def _fit(stream: TextIO | None) -> TextIO:
+    if stream is None:
+        return Path(os.devnull).open("w", encoding="utf-8")
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="backslashreplace")
+    return stream
+
+
+class _Forgiving:
+    """A stream that loses what its reader no longer takes, as in `2>&1 | head -1`.
+
+    Progress and warnings must not end a computation.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write a text, if it can be written."""
+        with suppress(OSError, ValueError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush, if it can be done."""
+        with suppress(OSError, ValueError):
+            self._stream.flush()
+
+
+def flush_stdout() -> None:
+    """Hand on what stdout still holds.
+
+    Raises
+    ------
+    OSError
+        It cannot be written: on a full disk.
+    """
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except BrokenPipeError:  # the reader has had enough, as in `bilayer init | head -3`
+        drop_stdout()
+
+
+def drop_stdout() -> None:
+    """Let what stdout still holds go, and all that is written to it from now on."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.stdout.flush()
