@@ -1,4 +1,7 @@
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))  # `verify_ladder`, `verification`
+TESTS = Path(__file__).parents[1]
+
+sys.path.insert(0, str(TESTS.parent / "scripts"))  # `verify_ladder`, `verification`
+sys.path.append(str(TESTS / "bilayer"))  # `made_results`
