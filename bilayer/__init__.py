@@ -31,7 +31,8 @@ if TYPE_CHECKING:
         save_figure,
     )
     from bilayer.mesh.generation import generate_mesh
-    from bilayer.mesh.planar import PlanarMesh, read_planar_mesh, write_planar_mesh
+    from bilayer.mesh.planar import PlanarMesh
+    from bilayer.mesh.planar_files import read_planar_mesh, write_planar_mesh
     from bilayer.results.comparison import compare
     from bilayer.results.conversion import convert, convert_milestones
     from bilayer.results.files import open_result, write_result
@@ -89,7 +90,8 @@ _MODULES = {
         "save_figure",
     ),
     "bilayer.mesh.generation": ("generate_mesh",),
-    "bilayer.mesh.planar": ("PlanarMesh", "read_planar_mesh", "write_planar_mesh"),
+    "bilayer.mesh.planar": ("PlanarMesh",),
+    "bilayer.mesh.planar_files": ("read_planar_mesh", "write_planar_mesh"),
     "bilayer.results.comparison": ("compare",),
     "bilayer.results.conversion": ("convert", "convert_milestones"),
     "bilayer.results.files": ("open_result", "write_result"),

@@ -10,7 +10,7 @@ from bilayer.cli.specimen_arguments import (
     read_specimen_argument,
 )
 from bilayer.mesh.generation import generate_mesh
-from bilayer.mesh.planar import write_planar_mesh
+from bilayer.mesh.planar_files import check_mesh_ending, write_planar_mesh
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.terminal import say
 
@@ -34,6 +34,7 @@ def run(options: argparse.Namespace) -> int:
     output = Path(options.output)
     check_writable(output)
     specimen = read_specimen_argument(options, options.overrides)
+    check_mesh_ending(output, not all(layer.is_whole for layer in specimen.layers))
     mesh = generate_mesh(specimen)
     write_planar_mesh(mesh, output)
     save_figure(draw_mesh(mesh), output.with_suffix(".png"))

@@ -9,7 +9,8 @@ from bilayer.cli.parser import Parser
 from bilayer.errors import InputError
 from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.generation import generate_mesh
-from bilayer.mesh.planar import PlanarMesh, read_planar_mesh
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.mesh.planar_files import read_planar_mesh
 from bilayer.results.files import open_result
 from bilayer.results.schema import result_mesh
 from bilayer.specimen.specimen import Specimen

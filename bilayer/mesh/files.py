@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bilayer.errors import BilayerError, InputError
+from bilayer.mesh.gmsh_files import PhysicalGroups, is_gmsh, read_gmsh
 from bilayer.runtime.output_file import HDF5_ROOM, whole_file
 
 if TYPE_CHECKING:
@@ -16,10 +17,12 @@ if TYPE_CHECKING:
 
 FORMATS = {".msh": "gmsh22"}
 """Formats of ambiguous endings: gmsh's 2.2 keeps our order of triangles, 4 sorts by tag."""
+NOT_OF_TRIANGLES = (".ele", ".node", ".f3grid", ".svg", ".wkt")
+"""Endings that meshio does not read triangles from; at some it never ends."""
 
 
-def read_mesh_file(path: str | Path) -> "meshio.Mesh":
-    """Read a mesh file, the format told by its ending.
+def read_mesh_file(path: str | Path) -> "tuple[meshio.Mesh, PhysicalGroups | None]":
+    """Return the mesh of a file, the format told by its ending, and its groups if it is gmsh's.
 
     Raises
     ------
@@ -28,9 +31,14 @@ def read_mesh_file(path: str | Path) -> "meshio.Mesh":
     """
     import meshio  # takes long to load, and few need it
 
+    ending = Path(path).suffix.lower()
+    if ending in NOT_OF_TRIANGLES:
+        raise InputError(f"mesh file {path}: cannot be read, expected a format of triangles")
     try:
         with _meshio_speaks_by_errors(path, "read"):
-            return meshio.read(path)
+            if ending == ".msh" and is_gmsh(content := Path(path).read_bytes()):
+                return read_gmsh(path, content)
+            return meshio.read(path), None
     except OSError as error:
         raise InputError(f"mesh file {path}: cannot be read ({error.strerror})") from error
 
@@ -47,7 +55,7 @@ def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:
     """
     import meshio  # takes long to load, and few need it
 
-    ending = Path(path).suffix
+    ending = Path(path).suffix.lower()
     if ending not in meshio.extension_to_filetypes:
         known = ", ".join(sorted(meshio.extension_to_filetypes))
         raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")

@@ -4,11 +4,8 @@ The shell uses it as it is, the finite-element model extrudes it, so that two re
 their models and not by their meshes.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -16,15 +13,9 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
-from bilayer.mesh.files import read_mesh_file, write_mesh_file
 from bilayer.mesh.validity import check_points, check_region, check_sheet
 from bilayer.specimen.two_layers import TWO_LAYERS
 
-if TYPE_CHECKING:
-    import meshio
-
-PLANE_TOLERANCE = 1e-9
-"""Range of z that a planar mesh in space may have, over its extent."""
 ROUND_OFF = 1e-9
 """Distance over the extent of the mesh that counts as none."""
 
@@ -154,80 +145,3 @@ class PlanarMesh:
 def flat_surface(mesh: PlanarMesh) -> Surface:
     """Return the bonded flat state as a surface in space, z = 0."""
     return Surface(np.pad(mesh.points, ((0, 0), (0, 1))), mesh.triangles)
-
-
-def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
-    """Write the mesh in any format that meshio writes, chosen by the file's ending.
-
-    The region is the cell data `region` (and, in gmsh's formats, the physical tag).
-
-    Raises
-    ------
-    InputError
-        The format is unknown, or the folder cannot be written.
-    ComputationError
-        Writing failed, for example on a full disk.
-    """
-    import meshio  # takes long to load, and few need it
-
-    cells = [("triangle", mesh.triangles)]
-    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
-    is_gmsh = Path(path).suffix == ".msh"
-    names = ["gmsh:physical", "gmsh:geometrical"] if is_gmsh else ["region"]
-    data = {name: [mesh.region.astype(np.int32)] for name in names}
-    write_mesh_file(meshio.Mesh(points, cells, cell_data=data), path)
-
-
-def read_planar_mesh(
-    path: str | Path, layer_sets: Sequence[frozenset[str]] = TWO_LAYERS
-) -> PlanarMesh:
-    """Read a mesh in any format that meshio reads; without a region all layers lie everywhere.
-
-    Nodes of nothing but points and lines, such as a drawing's construction points, are left out.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    layer_sets : sequence of frozenset of str
-        The layers that its regions stand for, see `bilayer.specimen.specimen.Specimen.layer_sets`;
-        a bilayer's if left out.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, holds other than triangles in a plane z = constant, or they make
-        no valid planar mesh.
-    """
-    data = read_mesh_file(path)
-    try:
-        return _planar(data, layer_sets)
-    except InputError as error:
-        raise InputError(f"mesh file {path}: {error}") from error
-
-
-def _planar(data: "meshio.Mesh", layer_sets: Sequence[frozenset[str]]) -> PlanarMesh:
-    triangles = data.get_cells_type("triangle")
-    others = [block.type for block in data.cells if block.dim > 1 and block.type != "triangle"]
-    if len(triangles) == 0 or others:
-        found = f"{others[0]} cells" if others else "no triangles"
-        raise InputError(f"holds {found}, expected a planar mesh of triangles of 3 nodes")
-    region = next(
-        (
-            data.get_cell_data(name, "triangle")
-            for name in ("region", "gmsh:physical")
-            if name in data.cell_data
-        ),
-        np.full(len(triangles), len(layer_sets) - 1),
-    )
-    drawn = [block.data.ravel() for block in data.cells if block.dim < 2]
-    construction = np.setdiff1d(np.concatenate([np.empty(0, dtype=np.int64), *drawn]), triangles)
-    kept = np.setdiff1d(np.arange(len(data.points)), construction)
-    points = data.points[kept]
-    check_points(points)
-    heights, extent = points[:, 2:], np.ptp(points[:, :2], axis=0).max()
-    if np.ptp(heights, axis=0).max(initial=0.0) > PLANE_TOLERANCE * extent:
-        raise InputError(
-            f"its z goes from {heights.min():g} to {heights.max():g} m, expected a plane"
-        )
-    return PlanarMesh(points[:, :2], np.searchsorted(kept, triangles), region, tuple(layer_sets))

@@ -45,16 +45,21 @@ def check_sheet(points: NDArray[np.float64], triangles: Indices) -> None:
     triangles : (m, 3) array of int
         Nodes of each triangle.
     """
-    _check_nodes(len(points), triangles)
+    check_nodes(len(points), triangles)
+    _check_none_isolated(len(points), triangles)
     _check_shapes(points, triangles)
     _check_edges(triangles)
     _check_one_piece(triangles)
 
 
-def _check_nodes(count: int, triangles: Indices) -> None:
+def check_nodes(count: int, triangles: Indices) -> None:
+    """Raise InputError if a triangle, of shape (m, 3), has a node that is not one of `count`."""
     outside = np.flatnonzero((triangles < 0).any(axis=1) | (triangles >= count).any(axis=1))
     if len(outside):
         raise InputError(f"{_named(triangles, outside[0])}: expected nodes from 0 to {count - 1}")
+
+
+def _check_none_isolated(count: int, triangles: Indices) -> None:
     isolated = np.setdiff1d(np.arange(count), triangles)
     if len(isolated):
         raise InputError(

@@ -113,6 +113,43 @@ def test_construction_points_are_left_out(tmp_path):
         read_planar_mesh(path)
 
 
+def test_centres_of_circles_in_gmsh_files_are_left_out(tmp_path):
+    path, points = tmp_path / "mesh.msh", np.vstack([[[9.0, 9.0]], SQUARE])
+    cells = [("triangle", np.array([[1, 2, 3], [1, 3, 4]]))]
+    meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), cells).write(path, file_format="gmsh22")
+    assert len(read_planar_mesh(path).points) == 4
+
+
+HOLDS_LAYERS = ["msh", "vtu", "vtk", "xdmf", "xmf", "med", "hmf", "dat", "tec", "xml", "VTU"]
+TRIANGLES_ALONE = ["inp", "stl", "ply", "obj", "off", "mesh", "exo", "vol", "avs", "dgf", "mdpa"]
+
+
+@pytest.mark.parametrize("ending", HOLDS_LAYERS)
+def test_formats_that_hold_the_layers_keep_them(tmp_path, ending):
+    write_planar_mesh(two_triangles(), tmp_path / f"mesh.{ending}")
+    assert read_planar_mesh(tmp_path / f"mesh.{ending}").same_as(two_triangles())
+
+
+@pytest.mark.parametrize("ending", TRIANGLES_ALONE)
+def test_formats_that_cannot_hold_the_layers_are_refused(tmp_path, ending):
+    with pytest.raises(InputError, match=rf"{ending}: cannot hold which layers .* of \.msh, "):
+        write_planar_mesh(two_triangles(), tmp_path / f"mesh.{ending}")
+    assert list(tmp_path.iterdir()) == []
+    bare = PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], [0, 0])
+    with pytest.raises(InputError, match=r"cannot hold which layers"):
+        write_planar_mesh(bare, tmp_path / f"mesh.{ending}")
+    whole = PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], [1, 1])
+    write_planar_mesh(whole, tmp_path / f"mesh.{ending}")
+    assert read_planar_mesh(tmp_path / f"mesh.{ending}").areas.sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("ending", ["ele", "node", "wkt", "svg", "f3grid"])
+def test_formats_of_no_triangles_are_refused_and_not_waited_for(tmp_path, ending):
+    (tmp_path / f"mesh.{ending}").write_text("")
+    with pytest.raises(InputError, match="expected a format of triangles"):
+        read_planar_mesh(tmp_path / f"mesh.{ending}")
+
+
 def test_files_of_other_cells_or_of_no_plane_are_refused(tmp_path):
     path, triangles = tmp_path / "mesh.vtk", np.array([[0, 1, 2], [0, 2, 3]])
     write_file(path, SQUARE, [("quad", np.array([[0, 1, 2, 3]]))])
