@@ -1,8 +1,13 @@
-"""Mesh files in any format that meshio knows, with its messages as errors of this project."""
+"""Mesh files in any format that meshio knows, with its messages as errors of this project.
+
+They are read in a child process: on some that are damaged meshio never ends, or a library crashes.
+"""
 
 import io
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +15,9 @@ import numpy as np
 
 from bilayer.errors import BilayerError, InputError
 from bilayer.mesh.gmsh_files import PhysicalGroups, is_gmsh, read_gmsh
+from bilayer.runtime.child_process import ChildProcessDiedError, run_in_child
+from bilayer.runtime.input_file import open_input, unreadable
+from bilayer.runtime.memory import available_memory
 from bilayer.runtime.output_file import HDF5_ROOM, whole_file
 
 if TYPE_CHECKING:
@@ -21,26 +29,48 @@ NOT_OF_TRIANGLES = (".ele", ".node", ".f3grid", ".svg", ".wkt")
 """Endings that meshio does not read triangles from; at some it never ends."""
 
 
-def read_mesh_file(path: str | Path) -> "tuple[meshio.Mesh, PhysicalGroups | None]":
+SHORTEST_TIME, BYTES_PER_SECOND = 10.0, 1e6
+"""Seconds that a file may take to be read: so many, and longer the larger it is."""
+
+
+def read_mesh_file(
+    path: str | Path, shortest_time: float = SHORTEST_TIME
+) -> "tuple[meshio.Mesh, PhysicalGroups | None]":
     """Return the mesh of a file, the format told by its ending, and its groups if it is gmsh's.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    shortest_time : float
+        Seconds that any file may take to be read; a large one gets more.
 
     Raises
     ------
     InputError
         The file is missing, of an unknown format, or not what its ending says.
     """
-    import meshio  # takes long to load, and few need it
+    import meshio  # noqa: F401  # before the process is copied, so that no copy has to
 
-    ending = Path(path).suffix.lower()
-    if ending in NOT_OF_TRIANGLES:
+    if Path(path).suffix.lower() in NOT_OF_TRIANGLES:
         raise InputError(f"mesh file {path}: cannot be read, expected a format of triangles")
+    with open_input(path, "mesh file") as descriptor:
+        seconds = shortest_time + os.fstat(descriptor).st_size / BYTES_PER_SECOND
     try:
-        with _meshio_speaks_by_errors(path, "read"):
-            if ending == ".msh" and is_gmsh(content := Path(path).read_bytes()):
-                return read_gmsh(path, content)
-            return meshio.read(path), None
+        return run_in_child(partial(_read, path), seconds, int(available_memory()))
+    except ChildProcessDiedError as error:
+        raise unreadable(path, "mesh file", f"damaged: reading it {error}") from error
     except OSError as error:
-        raise InputError(f"mesh file {path}: cannot be read ({error.strerror})") from error
+        raise unreadable(path, "mesh file", error.strerror or str(error)) from error
+
+
+def _read(path: str | Path) -> "tuple[meshio.Mesh, PhysicalGroups | None]":
+    import meshio
+
+    with _meshio_speaks_by_errors(path, "read"):
+        if Path(path).suffix.lower() == ".msh" and is_gmsh(content := Path(path).read_bytes()):
+            return read_gmsh(path, content)
+        return meshio.read(path), None
 
 
 def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:

@@ -123,6 +123,10 @@ def _planar(
     if len(triangles) == 0 or others:
         found = f"{others[0]} cells" if others else "no triangles"
         raise InputError(f"holds {found}, expected a planar mesh of triangles of 3 nodes")
+    if data.points.ndim != 2 or data.points.shape[1] not in (2, 3):
+        raise InputError(
+            f"its nodes have the shape {data.points.shape}, expected 2 or 3 numbers each"
+        )
     check_nodes(len(data.points), triangles)
     kept = np.setdiff1d(np.arange(len(data.points)), _construction(data, triangles, groups))
     points = data.points[kept]

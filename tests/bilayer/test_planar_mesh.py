@@ -6,6 +6,7 @@ import pytest
 from grids import frame, grid_mesh, rectangle
 
 from bilayer import InputError, PlanarMesh, read_planar_mesh, write_planar_mesh
+from bilayer.mesh.files import read_mesh_file
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
@@ -190,3 +191,25 @@ def test_the_centre_of_a_sheet_about_the_origin_has_no_round_off():
     mesh = grid_mesh(rectangle(6, 6), origin=(-3.0, -3.0))
     turned = mesh.points @ [[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]]
     assert mesh.with_points(turned).centroid.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.5, 0.8])
+@pytest.mark.parametrize("ending", ["msh", "vtu", "vtk", "xml", "med", "xdmf", "vol"])
+def test_a_mesh_file_that_is_cut_off_is_one_error(tmp_path, ending, share):
+    whole = PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], [1, 1])
+    path = tmp_path / f"mesh.{ending}"
+    write_planar_mesh(whole, path)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+    with pytest.raises(InputError, match=rf"^mesh file .*mesh\.{ending}: ") as caught:
+        read_planar_mesh(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_mesh_file_that_keeps_its_reader_busy_is_given_up(tmp_path):
+    """meshio looks for ever for the end of a Tecplot file that is cut off."""
+    path = tmp_path / "mesh.dat"
+    write_planar_mesh(two_triangles(), path)
+    path.write_text(path.read_text()[:-20])
+    with pytest.raises(InputError, match=r"damaged: reading it takes too long"):
+        read_mesh_file(path, shortest_time=0.2)
