@@ -30,6 +30,8 @@ if TYPE_CHECKING:
         draw_shapes,
         save_figure,
     )
+    from bilayer.fitting.fit import fit
+    from bilayer.fitting.measurement import Measurement, read_measurement
     from bilayer.mesh.generation import generate_mesh
     from bilayer.mesh.planar import PlanarMesh
     from bilayer.mesh.planar_files import read_planar_mesh, write_planar_mesh
@@ -89,6 +91,8 @@ _MODULES = {
         "draw_shapes",
         "save_figure",
     ),
+    "bilayer.fitting.fit": ("fit",),
+    "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
     "bilayer.mesh.generation": ("generate_mesh",),
     "bilayer.mesh.planar": ("PlanarMesh",),
     "bilayer.mesh.planar_files": ("read_planar_mesh", "write_planar_mesh"),

@@ -18,6 +18,7 @@ FLOORS = {
         ["runtime"],
         ["drawings"],
         ["specimen"],
+        ["fitting"],
         ["cutting"],
         ["geometry"],
         ["mesh"],

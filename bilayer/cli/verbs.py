@@ -12,6 +12,7 @@ VERBS = {
     "init": "print the paper's specimen as a commented template",
     "mesh": "mesh the flat disc; write the mesh, and its picture beside it",
     "cut": "write what has to be cut for each layer, 1:1 in mm, as DXF, SVG or PDF",
+    "fit": "find the constants of a law from tests of a material",
     "solve": "compute the released shapes; write them as NetCDF",
     "compare": "compare two results on the same planar mesh",
     "plot": "draw isometric and bird's-eye views per prestretch",

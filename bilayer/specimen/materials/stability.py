@@ -131,7 +131,7 @@ def drucker_margin(law: Hyperelastic, x: Array, y: Array) -> Array:
     (n,) array of float
         Not a number if the law has locked.
     """
-    return _least_eigenvalues(_by_strains(law, x, y)[1])
+    return _least_eigenvalues(strain_slopes(law, x, y)[1])
 
 
 def dead_load_margin(law: Hyperelastic, x: Array, y: Array) -> Array:
@@ -140,7 +140,7 @@ def dead_load_margin(law: Hyperelastic, x: Array, y: Array) -> Array:
     W_ij = (H_ij - g_i delta_ij) / (l_i l_j), of the derivatives g and H by logarithmic strains;
     see `drucker_margin` for the parameters.
     """
-    slope, bend = _by_strains(law, x, y)
+    slope, bend = strain_slopes(law, x, y)
     stretch = np.array([x, y])
     return _least_eigenvalues((bend - slope * np.eye(2)[:, :, None]) / (stretch[:, None] * stretch))
 
@@ -151,8 +151,22 @@ def _least_eigenvalues(matrices: Array) -> Array:
     return (a + c) / 2 - np.hypot((a - c) / 2, b)
 
 
-def _by_strains(law: Hyperelastic, x: Array, y: Array) -> tuple[Array, Array]:
-    """Return the derivatives by two logarithmic strains, the volume kept: (2, n), (2, 2, n)."""
+def strain_slopes(law: Hyperelastic, x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the derivatives of the energy by two logarithmic strains, the volume kept, Pa.
+
+    Parameters
+    ----------
+    law : Hyperelastic
+        The law.
+    x, y : (n,) array of float
+        Stretches in the plane.
+
+    Returns
+    -------
+    (2, n) array, (2, 2, n) array
+        First and second derivatives. The first ones are Cauchy stresses of a sheet under plane
+        stress.
+    """
     squares = np.array([x, y, 1 / (x * y)]) ** 2
     inverses = 1 / squares
     with np.errstate(invalid="ignore"):

@@ -1,0 +1,105 @@
+"""The verb `fit`: the constants of a law from tests of a material."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.errors import BilayerError, InputError
+from bilayer.fitting.fit import Fit, fit
+from bilayer.fitting.laws import FITTED
+from bilayer.fitting.measurement import Measurement, read_measurement
+from bilayer.fitting.report import comparison_table, fit_report
+from bilayer.runtime.output_file import check_writable
+from bilayer.specimen.layer import layer_name
+from bilayer.validation import positive
+
+ALL = "all"
+LOADED = ("uniaxial", "equibiaxial", "planar")
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "fit",
+        "bilayer fit tensile.csv --law mooney-rivlin -o fit.png",
+    )  # fmt: skip
+    verb.add_argument("tests", nargs="*", metavar="FILE.csv", help="uniaxial tests")
+    for loading in LOADED:
+        verb.add_argument(
+            f"--{loading}", action="append", default=[], metavar="FILE.csv",
+            help=f"a test under {loading} tension; may be repeated",
+        )  # fmt: skip
+    verb.add_argument(
+        "--law", choices=[*FITTED, ALL], default="mooney-rivlin",
+        help="which law (default: mooney-rivlin); 'all' compares them",
+    )  # fmt: skip
+    verb.add_argument("--up-to", type=float, metavar="L", help="leave out larger stretches")
+    verb.add_argument(
+        "--no-bounds", action="store_true", help="let the constants leave the range of stable laws"
+    )
+    verb.add_argument("--poisson-ratio", type=float, default=0.5, metavar="NU", help="gives d1")
+    verb.add_argument("--stretch-column", metavar="NAME", help="where its name does not say it")
+    verb.add_argument("--stress-column", metavar="NAME", help="where its name does not say it")
+    verb.add_argument("--name", default="fitted", help="of the material in the printed table")
+    verb.add_argument("-o", "--output", metavar="FILE.png", help="draw the fit")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    if options.output is not None:
+        check_writable(Path(options.output))
+    name = layer_name("--name", options.name)
+    measurements = _measurements(options)
+    if options.law == ALL:
+        fits = _fits(measurements, options)
+        print(comparison_table(fits))
+        print()
+        best = min(fits, key=lambda found: found.aicc)
+    else:
+        best = _fit(measurements, options.law, options, not options.no_bounds)
+        fits = [best]
+    free = None if options.no_bounds else _fit(measurements, best.law_name, options, False)
+    print(fit_report(best, free, name))
+    if options.output is not None:
+        from bilayer.figures import save_figure  # matplotlib takes half a second
+        from bilayer.figures.fit import draw_fits
+
+        save_figure(draw_fits(fits), options.output)
+    return 0
+
+
+def _measurements(options: argparse.Namespace) -> list[Measurement]:
+    files = {loading: list(getattr(options, loading)) for loading in LOADED}
+    files["uniaxial"] = [*options.tests, *files["uniaxial"]]
+    read = [
+        read_measurement(path, loading, options.stretch_column, options.stress_column)
+        for loading, paths in files.items()
+        for path in paths
+    ]
+    if not read:
+        raise InputError("expected at least one file of a test")
+    if options.up_to is not None:
+        largest = positive("--up-to", options.up_to)
+        read = [measurement.up_to(largest) for measurement in read]
+    return read
+
+
+def _fits(measurements: list[Measurement], options: argparse.Namespace) -> list[Fit]:
+    """Return the fits of all laws but those that cannot be fitted."""
+    found = []
+    failed: BilayerError | None = None
+    for law in FITTED:
+        try:
+            found.append(_fit(measurements, law, options, not options.no_bounds))
+        except BilayerError as error:
+            failed = error
+    if not found and failed is not None:
+        raise failed
+    return found
+
+
+def _fit(
+    measurements: list[Measurement], law: str, options: argparse.Namespace, bounded: bool
+) -> Fit:
+    return fit(measurements, law, options.poisson_ratio, bounded)
