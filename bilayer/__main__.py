@@ -19,9 +19,10 @@ def main() -> int:
     keep_surroundings_out()
     take_usable_temporary_folder()
     try:
-        with termination_as_ctrl_c(), signals_put_off():
-            from bilayer.cli.main import main as run_verb
-        return run_verb()
+        with termination_as_ctrl_c():
+            with signals_put_off():
+                from bilayer.cli.main import main as run_verb
+            return run_verb()
     except KeyboardInterrupt as interrupt:
         return tell_interruption(interrupt)
 

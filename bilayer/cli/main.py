@@ -16,6 +16,7 @@ from bilayer.cli.verbs import VERBS, load_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.ranks import abort_other_ranks, is_first_rank
 from bilayer.runtime.terminal import drop_stdout, flush_stdout, tell, tell_lines
+from bilayer.runtime.termination import signals_put_off, termination_as_ctrl_c
 from bilayer.runtime.version import __version__
 
 
@@ -30,9 +31,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     options = argparse.Namespace(verbose=False)
     try:
-        options = _parser(words).parse_args(words)
-        status: int = options.run(options)
-        flush_stdout()
+        with termination_as_ctrl_c():
+            options = _parser(words).parse_args(words)
+            status: int = options.run(options)
+            flush_stdout()
         return status
     except BilayerError as error:
         return _fail(error, options, 2 if isinstance(error, InputError) else 1)
@@ -73,8 +75,9 @@ def _parser(words: Sequence[str]) -> Parser:
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     for name, text in VERBS.items():
         if name == called:
-            verb = load_verb(name)
-            spare_pint()
+            with signals_put_off():  # a module that is loaded by half is another error
+                verb = load_verb(name)
+                spare_pint()
             verb.add(verbs)
         else:
             verbs.add_parser(name, help=text)

@@ -10,7 +10,6 @@ from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.terminal import say, tell
-from bilayer.runtime.termination import termination_as_ctrl_c
 from bilayer.solvers.registry import solver_named
 from bilayer.solvers.rerun import (
     AGREEMENT,
@@ -35,11 +34,6 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status: 0 if the shapes agree."""
-    with termination_as_ctrl_c():
-        return _rerun(options)
-
-
-def _rerun(options: argparse.Namespace) -> int:
     join_mpi()
     first = is_first_rank()
     result = select_reached_milestones(open_result(options.result))

@@ -19,7 +19,6 @@ from bilayer.runtime.output_file import check_writable, remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.terminal import say, tell
-from bilayer.runtime.termination import termination_as_ctrl_c
 from bilayer.solvers.registry import SOLVERS, STARTS, settings_class, solve, solver_named
 from bilayer.specimen.settings import describe, settings_from, split_solver_settings
 
@@ -53,11 +52,6 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
-    with termination_as_ctrl_c():
-        return _solve(options)
-
-
-def _solve(options: argparse.Namespace) -> int:
     join_mpi()
     first = is_first_rank()
     if not (first or solver_named(options.solver).parallel):

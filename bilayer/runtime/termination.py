@@ -18,9 +18,10 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 def termination_as_ctrl_c() -> Iterator[None]:
     """Let SIGTERM, as at the end of a job's time on a cluster, raise `Terminated` in the block.
 
-    Among several ranks nothing changes: one that goes on alone would wait for the others for ever.
+    Among several ranks it ends the process as usual: one that goes on alone would wait for the
+    others for ever.
     """
-    if has_other_ranks() or not may_handle_signals():
+    if not may_handle_signals():
         yield
         return
     usual = signal.signal(signal.SIGTERM, _terminate)
@@ -31,6 +32,9 @@ def termination_as_ctrl_c() -> Iterator[None]:
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
+    if has_other_ranks():
+        signal.signal(number, signal.SIG_DFL)
+        signal.raise_signal(number)
     raise Terminated
 
 

@@ -209,9 +209,13 @@ class StudyFolder:
             raise
         self.failure_file(case.identity).unlink(missing_ok=True)
         self.unfinished_file(case.identity).unlink(missing_ok=True)
-        for left in (self.path / "cases").glob(f".{case.identity}.*"):
-            shutil.rmtree(left, ignore_errors=True)  # a process was killed while it wrote
+        self.remove_half_written(case)
         self.log(LOG_DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
+
+    def remove_half_written(self, case: Case) -> None:
+        """Remove what a process that was killed while it wrote a file of a case has left."""
+        for left in (self.path / "cases").glob(f".{case.identity}.*"):
+            shutil.rmtree(left, ignore_errors=True)
 
     def log_not_written(self, case: Case, error: Exception) -> None:
         """Log that a case could not be kept, if the log can be written."""

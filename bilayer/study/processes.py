@@ -6,17 +6,19 @@ system short of memory) it is known which case it was computing, and the others 
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 
 from bilayer.runtime.temporary_folder import (
     LONGEST_FOR_SOCKETS,
     take_usable_temporary_folder,
 )
+from bilayer.runtime.termination import signals_put_off
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
@@ -55,6 +57,8 @@ def compute_in_processes(
     ------
     ComputationError
         The folder cannot be written; the cases that run at that moment are finished first.
+    KeyboardInterrupt
+        The processes have ended; the cases that they computed have their milestones so far.
     """
     waiting = deque(cases)
     running: dict[Future[None], tuple[ProcessPoolExecutor, Case]] = {}
@@ -65,7 +69,7 @@ def compute_in_processes(
         fits = not running or taken + waiting[0].memory <= memory
         return len(running) < jobs and fits
 
-    with ExitStack() as workers:
+    with ExitStack() as workers, _ended_by_ctrl_c(folder, running):
         while waiting or running:
             while waiting and next_starts():
                 case = waiting.popleft()
@@ -83,6 +87,25 @@ def compute_in_processes(
                 told(case)
 
 
+@contextmanager
+def _ended_by_ctrl_c(
+    folder: StudyFolder, running: Mapping[Future[None], tuple[ProcessPoolExecutor, Case]]
+) -> Iterator[None]:
+    """End the processes of the block at Ctrl-C, and remove what they have written by half."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        with signals_put_off():
+            processes = multiprocessing.active_children()
+            for process in processes:
+                process.kill()
+            for process in processes:
+                process.join()
+            for _, case in running.values():
+                folder.remove_half_written(case)
+        raise
+
+
 def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
     take_usable_temporary_folder(LONGEST_FOR_SOCKETS)
     context = multiprocessing.get_context("forkserver")  # not from this process, which may use MPI
@@ -91,6 +114,7 @@ def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
 
 
 def _begin_work(folder: StudyFolder) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal's is for the study, which ends this
     threading.Thread(target=_live_with_the_study, args=(folder,), daemon=True).start()
 
 

@@ -15,7 +15,7 @@ class Interrupting(importlib.abc.MetaPathFinder):
             signal.raise_signal({number})
 
 sys.meta_path.insert(0, Interrupting())
-sys.argv = ["bilayer", "init"]
+sys.argv = ["bilayer", "info", "none.nc"]
 from bilayer.__main__ import main
 sys.exit(main())
 """
