@@ -134,7 +134,8 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
     for word in ("nan", "inf", "-inf", "******", "1e999", "", "x", "1.0.0", "--1", "1E", "0x10"):
         damaged = _put_number(lines, word, 10 + chance.randrange(20))
         yield of(f"a coordinate is {word!r}", damaged)
-        yield of(f"a displacement is {word!r}", _put_number(lines, word, len(lines) - 12))
+        diverged = Right.HANDLED if "n" in word else Right.REFUSED  # as a run that did not converge
+        yield of(f"a displacement is {word!r}", _put_number(lines, word, len(lines) - 12), diverged)
     for name, content in {
         "empty": "",
         "blank": "\n\n",

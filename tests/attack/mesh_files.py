@@ -68,7 +68,7 @@ def _attempt(
     check: Any = None,
 ) -> Attempt:
     files = {"s.toml": bench.specimen, "uncut.toml": bench.uncut, file: content}
-    says = "mesh" if says is None and right is Right.REFUSED else says or ""
+    says = rf"mesh|{file}" if says is None and right is Right.REFUSED else says or ""
     return Attempt(
         "mesh file", name, words(specimen, file), files, right, ("d.inp",), says=says, check=check
     )

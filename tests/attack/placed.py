@@ -71,7 +71,7 @@ def _noting(log: Path, keep: Any) -> Any:
     @functools.wraps(keep)
     def call(recorder: Any, step: Any) -> None:
         keep(recorder, step)
-        if step.is_at_target:
+        if step.is_at_target and recorder._output is not None:  # not one of the start's
             with log.open("a", encoding="utf-8") as lines:
                 lines.write(f"milestone {step.index}\n")
 

@@ -96,7 +96,7 @@ MOMENTS = (
         "FE", "in PETSc's callback", function="fenics_model.solve.newton:Newton._tangent", call=3
     ),
     Moment("FE", "solving, 3", function="fenics_model.solve.newton:Newton._iterate", call=3),
-    Moment("FE", "measuring, 2", function=MEASURE, call=2),
+    Moment("FE", "measuring, 2", function=MEASURE, call=5),  # 3 of the start before
     Moment("FE", "writing, 2", function=WRITE, call=2),
     Moment("FE on 2 ranks", "meshing", function="bilayer.mesh.generation:generate_mesh"),
     Moment(
