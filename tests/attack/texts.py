@@ -31,7 +31,7 @@ ODD = {
     "quotes": "'\"`$(touch canary)",
 }
 CONTROL = r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f\u202e]"
-FORGED = r"(?m)^(To run it again, with the versions above:\n  rm|  rm -rf)"
+FORGED = r"(?m:^(To run it again, with the versions above:\n  rm|  rm -rf))"
 
 
 def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:

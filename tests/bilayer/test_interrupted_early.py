@@ -14,6 +14,7 @@ class Interrupting(importlib.abc.MetaPathFinder):
             sys.meta_path.remove(self)
             signal.raise_signal({number})
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 sys.meta_path.insert(0, Interrupting())
 sys.argv = ["bilayer", "info", "none.nc"]
 from bilayer.__main__ import main
