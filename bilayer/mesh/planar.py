@@ -79,13 +79,12 @@ class PlanarMesh:
     @cached_property
     def edges(self) -> NDArray[np.int64]:
         """Each edge once, as ascending node pairs in ascending order, shape (e, 2)."""
-        return np.unique(self._corner_pairs, axis=0)
+        return np.unique(_corner_pairs(self.triangles), axis=0)
 
     @cached_property
     def boundary_edges(self) -> NDArray[np.int64]:
         """Edges that belong to a single triangle, shape (b, 2)."""
-        edges, count = np.unique(self._corner_pairs, axis=0, return_counts=True)
-        return edges[count == 1]
+        return self.edges_of(np.arange(len(self.triangles)))
 
     @cached_property
     def rim_nodes(self) -> NDArray[np.int64]:
@@ -117,15 +116,15 @@ class PlanarMesh:
         from_centre = self.points - self.centroid
         return int(np.argmin(np.einsum("ij,ij->i", from_centre, from_centre)))
 
-    @property
-    def _corner_pairs(self) -> NDArray[np.int64]:
-        t = self.triangles
-        return np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
-
     def faces_of(self, layer: str) -> NDArray[np.int64]:
         """Return the triangles that a layer covers, ascending."""
         there = [number for number, names in enumerate(self.layer_sets) if layer in names]
         return np.flatnonzero(np.isin(self.region, there))
+
+    def edges_of(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the edges that belong to one of some triangles alone, shape (b, 2)."""
+        edges, count = np.unique(_corner_pairs(self.triangles[faces]), axis=0, return_counts=True)
+        return edges[count == 1]
 
     def with_points(self, points: NDArray[np.float64]) -> "PlanarMesh":
         """Return the same triangles and layers with their nodes elsewhere, m, (n, 2)."""
@@ -140,6 +139,11 @@ class PlanarMesh:
             and self.layer_sets == other.layer_sets
             and np.allclose(self.points, other.points, rtol=0.0, atol=1e-12)
         )
+
+
+def _corner_pairs(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    t = triangles
+    return np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
 
 
 def flat_surface(mesh: PlanarMesh) -> Surface:

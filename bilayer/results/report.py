@@ -6,6 +6,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.mesh.agreement import layers_defined_by
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import (
     SHARPEST_TURN,
     THICKEST_SHELL,
@@ -201,6 +203,15 @@ def _cuts(specimen: Specimen) -> str:
     if len(layers) < 2:
         return next(iter(layers), "uncut")
     return "; ".join(f"{' and '.join(names)}: {words}" for words, names in layers.items())
+
+
+def _patterns_of_the_mesh(specimen: Specimen, mesh: PlanarMesh) -> list[str]:
+    """Say which layers are whole in the specimen and have a pattern by the mesh alone."""
+    return [
+        f"            DEFINES THE PATTERN of {name}, which lies on {share:.1%} of the area; the "
+        "specimen has none"
+        for name, share in layers_defined_by(mesh, specimen).items()
+    ]
 
 
 def _layers(specimen: Specimen) -> list[str]:

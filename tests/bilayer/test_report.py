@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from made_results import cap_result, small_specimen
 
-from bilayer import MeshSize
+from bilayer import MeshSize, generate_mesh
 from bilayer.results.caveats import THICKEST_SHELL
 from bilayer.results.report import describe_trust, provenance
 from bilayer.specimen.specimen import Specimen
@@ -46,3 +46,12 @@ def test_a_finer_mesh_of_it_is():
 def test_the_mesh_of_a_shape_that_was_not_reached_is_not_judged():
     trust = describe_trust(cap_result(small_specimen((1.03, 1.6)), reached=1.03))
     assert "COARSE" not in trust
+
+
+def test_a_pattern_that_only_the_mesh_has_is_told():
+    specimen = small_specimen()
+    whole = specimen.with_layer("kirigami", pattern=None)
+    told = provenance(cap_result(whole, mesh=generate_mesh(specimen)))
+    assert "DEFINES THE PATTERN of kirigami, which lies on 7" in told
+    assert "DEFINES" not in provenance(cap_result(specimen))
+    assert "DEFINES" not in provenance(cap_result(whole))

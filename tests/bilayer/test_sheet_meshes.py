@@ -231,3 +231,39 @@ def test_a_coarse_polygon_with_its_corners_on_the_rim_is_a_mesh_of_a_disc():
     square = np.array([[0.0, 0.04], [-0.04, 0.0], [0.0, -0.04], [0.04, 0.0]])
     mesh = PlanarMesh(square, [[0, 1, 2], [0, 2, 3]], [1, 1])
     check_agreement(paper_specimen().with_layer("kirigami", pattern=None), mesh)
+
+
+PAPER = replace(paper_specimen(), mesh=MeshSize(0.01))
+PAPERS_CUT = PAPER.layer("kirigami").pattern
+RECTANGLE = replace(bilayer(OUTLINES["rectangle"]), mesh=MeshSize(0.01))
+NEARLY = {
+    "wider cutouts": PAPER.with_layer("kirigami", pattern=replace(PAPERS_CUT, cutout_angle=0.31)),
+    "narrower ones": PAPER.with_layer("kirigami", pattern=replace(PAPERS_CUT, cutout_angle=0.29)),
+    "much wider ones": PAPER.with_layer("kirigami", pattern=replace(PAPERS_CUT, cutout_angle=0.5)),
+    "shorter cutouts": PAPER.with_layer(
+        "kirigami", pattern=replace(PAPERS_CUT, inner_radius=0.009)
+    ),
+    "a larger disc": replace(PAPER, outline=replace(PAPER.outline, radius=0.0402)),
+    "a longer rectangle": replace(
+        RECTANGLE, outline=replace(RECTANGLE.outline, width=1.02 * RECTANGLE.outline.width)
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NEARLY)
+def test_a_coarse_mesh_of_nearly_the_same_specimen_is_refused(name):
+    """Its edges are long, and the cuts lie beside them by much less than an edge."""
+    meshed = RECTANGLE if name == "a longer rectangle" else PAPER
+    mesh = generate_mesh(meshed)
+    check_agreement(meshed, mesh)
+    with pytest.raises(InputError, match=r"^mesh: .*(no node at the corner|lies .* m from)"):
+        check_agreement(NEARLY[name], mesh)
+
+
+def test_half_a_disc_is_no_disc():
+    mesh = generate_mesh(PAPER)
+    upper = mesh.points[mesh.triangles].mean(axis=1)[:, 1] > 0
+    nodes, numbered = np.unique(mesh.triangles[upper], return_inverse=True)
+    half = PlanarMesh(mesh.points[nodes], numbered.reshape(-1, 3), mesh.region[upper])
+    with pytest.raises(InputError, match="rim"):
+        check_agreement(PAPER, half)
