@@ -7,7 +7,6 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.mesh.agreement import layers_defined_by
-from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import (
     SHARPEST_TURN,
     THICKEST_SHELL,
@@ -18,7 +17,7 @@ from bilayer.results.caveats import (
 )
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
-from bilayer.results.schema import NOT_MEASURED, result_specimen
+from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.layer import BondedLayer, Response
@@ -60,6 +59,7 @@ def provenance(result: xr.Dataset) -> str:
         f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
         *_layers(specimen),
         f"mesh        {result.sizes['node']} nodes, {result.sizes['face']} triangles",
+        *_patterns_of_the_mesh(specimen, result),
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
         f"versions    {result.attrs['versions']}",
         f"git commit  {result.attrs['git_commit'] or 'unknown'}",
@@ -205,12 +205,14 @@ def _cuts(specimen: Specimen) -> str:
     return "; ".join(f"{' and '.join(names)}: {words}" for words, names in layers.items())
 
 
-def _patterns_of_the_mesh(specimen: Specimen, mesh: PlanarMesh) -> list[str]:
+def _patterns_of_the_mesh(specimen: Specimen, result: xr.Dataset) -> list[str]:
     """Say which layers are whole in the specimen and have a pattern by the mesh alone."""
+    if not all(layer.is_whole for layer in specimen.layers):
+        return []
     return [
         f"            DEFINES THE PATTERN of {name}, which lies on {share:.1%} of the area; the "
         "specimen has none"
-        for name, share in layers_defined_by(mesh, specimen).items()
+        for name, share in layers_defined_by(result_mesh(result), specimen).items()
     ]
 
 
