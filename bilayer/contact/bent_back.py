@@ -50,10 +50,13 @@ class Balls:
 
     def distances(self, pairs: Indices) -> tuple[Array, Array]:
         """Return the least and the largest distance of two places in each pair of balls, m."""
-        one, other = pairs.T
-        between = self.centres[one] - self.centres[other]
+        one, other = np.ascontiguousarray(pairs.T)
+        between = self.centres.take(one, axis=0)
+        between -= self.centres.take(other, axis=0)
         apart = np.sqrt(np.einsum("ij,ij->i", between, between))
-        size = self.radii[one] + self.radii[other]
+        if not self.radii.any():
+            return apart, apart
+        size = self.radii.take(one) + self.radii.take(other)
         return np.maximum(0.0, apart - size), apart + size
 
 
@@ -81,12 +84,13 @@ class Places:
             *(part.enclose_groups(groups) for part in (self.natural, self.chord, self.skin))
         )
 
-    def may_be_bent_back(self, pairs: Indices, reach: float) -> Mask:
-        """Whether some places of each two groups may be bent back and within reach."""
-        _, natural = self.natural.distances(pairs)
+    def may_be_bent_back(self, pairs: Indices, reach: float) -> Indices:
+        """Return those pairs of groups of which some places may be bent back and within reach."""
         chord, _ = self.chord.distances(pairs)
+        _, natural = self.natural.distances(pairs)
+        pairs = pairs[chord < BENT_BACK * natural]  # the least are left of small groups
         skin, _ = self.skin.distances(pairs)
-        return (chord < BENT_BACK * natural) & (skin <= reach)
+        return pairs[skin <= reach]
 
     def bound_distance(self, pairs: Indices, apart: float) -> float:
         """Return within what distance some places are that are surely bent back, m.
@@ -94,10 +98,10 @@ class Places:
         Only those count whose natural distance is surely more than `apart`.
         """
         natural, _ = self.natural.distances(pairs)
+        pairs, natural = pairs[natural > apart], natural[natural > apart]
         _, chord = self.chord.distances(pairs)
-        _, skin = self.skin.distances(pairs)
-        surely = (chord < BENT_BACK * natural) & (natural > apart)
-        return float(skin[surely].min(initial=np.inf))
+        _, skin = self.skin.distances(pairs[chord < BENT_BACK * natural])
+        return float(skin.min(initial=np.inf))
 
 
 def bent_back_pairs(places: Places, flat: Array, nodes: Indices, reach: float) -> Indices:
@@ -131,7 +135,7 @@ def bent_back_pairs(places: Places, flat: Array, nodes: Indices, reach: float) -
         level = places.grouped(groups)
         found: list[Indices] = [np.zeros((0, 2), dtype=np.int64)]
         for block in _split(pairs, children):
-            kept = block[level.may_be_bent_back(block, reach)]
+            kept = level.may_be_bent_back(block, reach)
             reach = min(reach, level.bound_distance(kept, apart))
             found.append(kept)
         pairs = np.concatenate(found)

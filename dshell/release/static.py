@@ -141,8 +141,12 @@ class StaticPath(Generic[Load]):
     def begin_near(self, guess: Array, load: Load, iterations: int) -> bool:
         """Go to the equilibrium near a guess; return whether it is soon found."""
         few = min(iterations, self._limits.iterations)
+        body = self._problem.body(load)
         try:
-            found = self._equilibrium(ShellState(load, guess), load, few)
+            limits = self._newton_limits(self._force_scale(body, load), few)
+            smooth = self._solver.smooth_guess(body, guess, limits)
+            self._effort += ShellEffort(1, 0)
+            found = self._equilibrium(ShellState(load, smooth), load, few)
         except ComputationError:
             return False
         if isinstance(found, ShellState):
@@ -197,7 +201,7 @@ class StaticPath(Generic[Load]):
         """Settle under a load; return the outcome as it is if that fails."""
         body = self._problem.body(load)
         scale = self._force_scale(body, load)
-        limits = NewtonLimits(self._limits.tolerance * scale, iterations, self._limits.longest_step)
+        limits = self._newton_limits(scale, iterations)
         bodies = self._ramp(here.load, body, load)
         found = self._branch_rule.take_load_step(bodies, here.state, here.unstable_modes, limits)
         outcome = found.outcome
@@ -205,6 +209,10 @@ class StaticPath(Generic[Load]):
         if not outcome.converged:
             return outcome
         return ShellState(load, outcome.state, outcome.residual / scale, found.unstable_modes)
+
+    def _newton_limits(self, scale: float, iterations: int) -> NewtonLimits:
+        """Return the limits of a solve, its tolerance relative to a force, N."""
+        return NewtonLimits(self._limits.tolerance * scale, iterations, self._limits.longest_step)
 
     def _ramp(self, start: Load, body: Body, end: Load) -> list[Body]:
         """Return the shell on its way to a load, one body per iteration, and at its end."""

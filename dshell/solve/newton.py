@@ -241,6 +241,28 @@ class EquilibriumSolver:
                 break
         return Outcome(here.state, converged, here.error, iteration)
 
+    def smooth_guess(self, body: Body, guess: Array, limits: NewtonLimits) -> Array:
+        """Return a state nearer to an equilibrium than a guess from elsewhere, by one iteration.
+
+        A shape from another mesh is rough: some of its membrane is pressed, and the Hessian there
+        is indefinite for that reason alone. The convex one is taken at once, because it costs two
+        factorisations to find that out, one of them with an ordering of its own.
+
+        Parameters
+        ----------
+        body : Body
+            What is deformed.
+        guess : (dofs,) array of float
+            The state to begin with, m.
+        limits : NewtonLimits
+            Tolerance, longest step and corrections.
+        """
+        here = self.configure(body, guess)
+        try:
+            return self._descend(here, self._factor_convex(here), limits).state
+        except NoDescentError:
+            return guess
+
     def find_nearby_equilibrium(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
         """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
 
@@ -284,8 +306,11 @@ class EquilibriumSolver:
         return direction / direction[np.argmax(np.abs(direction))]
 
     def _iterate(self, here: Configuration, limits: NewtonLimits) -> Configuration:
-        """Return the body after one iteration: the longest halved step that is low enough."""
-        factor = self._factor_downhill(here)
+        """Return the body after one iteration."""
+        return self._descend(here, self._factor_downhill(here), limits)
+
+    def _descend(self, here: Configuration, factor: Factor, limits: NewtonLimits) -> Configuration:
+        """Return the body after the longest halved step that is low enough."""
         straight = self._step(factor, here.residual)
         step = _cap_step(straight, limits.longest_step)
         whole = step is straight

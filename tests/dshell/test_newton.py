@@ -60,6 +60,35 @@ def test_plain_steps_balance_the_straight_column_though_it_is_unstable(column):
     assert solver.unstable_modes(body, outcome.state) == 2
 
 
+class NoSearchForModes(SuperLUSolver):
+    """Refuses to count negative eigenvalues."""
+
+    def cholesky(self, matrix):
+        return SuperLUSolver().cholesky(matrix)
+
+    def factor(self, matrix):
+        raise AssertionError("the eigenvalues of a rough shape are nobody's concern")
+
+
+def test_a_rough_guess_is_smoothed_without_a_search_for_its_modes(column):
+    solver, body, straight = column
+    pushed = straight + 0.01 * solver.unstable_direction(body, straight)
+    limits = NewtonLimits(1e-12, 50, 1.0)
+    assert solver.unstable_modes(body, pushed) > 0
+    smoothing = EquilibriumSolver(solver.assembly, NoSearchForModes())
+    with pytest.raises(AssertionError, match="rough"):
+        smoothing.find_minimum([body], pushed, limits)
+    smooth = smoothing.smooth_guess(body, pushed, limits)
+    assert solver.configure(body, smooth).energy < solver.configure(body, pushed).energy
+    assert solver.find_minimum([body], smooth, limits).converged
+
+
+def test_a_guess_that_is_an_equilibrium_is_kept(column):
+    solver, body, straight = column
+    smooth = solver.smooth_guess(body, straight, NewtonLimits(1e-12, 50, 1.0))
+    assert smooth == pytest.approx(straight, abs=1e-15)
+
+
 class SoftThenStiff:
     """A spring that is soft up to a length and stiff beyond: one degree of freedom x, E(x)."""
 
