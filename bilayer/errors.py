@@ -25,6 +25,10 @@ def fields_of(table: str) -> Iterator[None]:
         raise InputError(f"{table}.{error}") from error
 
 
+class NotResumableError(InputError):
+    """A file from which a run cannot go on: damaged, or of another run."""
+
+
 class NotEnoughMemoryError(InputError):
     """A computation that would not fit into the memory there is now; elsewhere or later it may."""
 

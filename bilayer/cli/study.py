@@ -13,11 +13,12 @@ from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
 from bilayer.runtime.terminal import one_line, say, tell
 from bilayer.study.estimate import estimate, estimate_text
-from bilayer.study.folder import CASE_DONE, CASE_LACKS_MEMORY, StudyFolder
+from bilayer.study.folder import StudyFolder
 from bilayer.study.index import read_index
 from bilayer.study.memory import first_at_once, separate_by_memory
 from bilayer.study.plan import StudyPlan, read_study
 from bilayer.study.processes import available_cores
+from bilayer.study.records import CASE_DONE, CASE_LACKS_MEMORY
 from bilayer.study.run import cases_to_compute, run_one_case, run_study, run_study_on_ranks
 from bilayer.validation import whole
 
@@ -78,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         else:
             index = run_study_on_ranks(
                 plan, options.output, world, ranks_per_case=ranks_per_case,
-                retry_failed=options.retry_failed, progress=progress,
+                retry_failed=options.retry_failed, progress=progress, notice=_notice,
             )  # fmt: skip
     return _report(index, options) if is_first_rank() else _status(index)
 
@@ -86,7 +87,8 @@ def run(options: argparse.Namespace) -> int:
 def _run_case(plan: StudyPlan, options: argparse.Namespace, world: Any) -> int:
     number = _count("--case", options.case)
     run_one_case(
-        plan, options.output, number, world=world, retry_failed=options.retry_failed
+        plan, options.output, number, world=world, retry_failed=options.retry_failed,
+        notice=_notice,
     )  # fmt: skip
     identity = plan.cases[number - 1].identity
     index = read_index(StudyFolder(options.output))
@@ -100,7 +102,7 @@ def _notice(line: str) -> None:
 def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory: float) -> str:
     """Return the number of cases by status, in one line, and a line for each without memory."""
     folder = StudyFolder(options.output)
-    index = read_index(folder) if folder.plan_file.exists() else None
+    index = _index_so_far(folder)
     waiting = cases_to_compute(plan, folder, options.retry_failed)
     fitting, shortages = separate_by_memory(waiting, memory)
     at_a_time = first_at_once(fitting, jobs, memory)
@@ -112,6 +114,14 @@ def _expectation(plan: StudyPlan, options: argparse.Namespace, jobs: int, memory
         ),
     ]
     return "\n".join(lines)
+
+
+def _index_so_far(folder: StudyFolder) -> pd.DataFrame | None:
+    """Return the index of earlier starts; None if there was none, or its plan is damaged."""
+    try:
+        return read_index(folder)
+    except InputError:
+        return None
 
 
 def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:

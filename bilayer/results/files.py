@@ -156,7 +156,10 @@ def open_resume_point(path: str | Path) -> ResumePoint | None:
             raise InputError(f"{RESUME_GROUP}: tried = {tried!r}, expected a whole number")
         if not all(isinstance(reason, str) for reason in reasons):
             raise InputError(f"{RESUME_GROUP}: reasons = {reasons.tolist()!r}, expected texts")
-    saved = {name: values for name, (_, values, _) in group.variables.items()}
+        saved = {name: values for name, (_, values, _) in group.variables.items()}
+        for name, values in saved.items():
+            if values.dtype.kind == "f" and not np.isfinite(values).all():
+                raise InputError(f"{RESUME_GROUP}: {name} holds values that are no finite numbers")
     return ResumePoint(int(tried), tuple(reason for reason in reasons if reason), saved)
 
 

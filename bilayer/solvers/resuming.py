@@ -104,7 +104,24 @@ def open_unfinished(path: str | Path) -> Unfinished | None:
         The file cannot be read.
     """
     point = open_resume_point(path)
-    return None if point is None else Unfinished(open_result(path), point)
+    if point is None:
+        return None
+    result = open_result(path)
+    _check_states(path, result, point.tried)
+    return Unfinished(result, point)
+
+
+def _check_states(path: str | Path, result: xr.Dataset, tried: int) -> None:
+    """Raise InputError unless a result holds all that `milestone_states` takes."""
+    count = result.sizes["prestretch"]
+    if tried > count:
+        raise InputError(f"result file {path}: tried = {tried}, expected at most {count}")
+    names = ["energy", "term", "self_contact_gap"]
+    if not result["converged"].values[:tried].all():
+        names += ["last_position", "last_prestretch"]
+    missing = [name for name in names if name not in result]
+    if missing:
+        raise InputError(f"result file {path}: the variable {missing[0]!r} is missing")
 
 
 def check_same_run(

@@ -1,13 +1,13 @@
 """A run: a solver's path through the milestones of a specimen, and the dataset that comes of it."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from bilayer.errors import InputError, Interrupted
+from bilayer.errors import InputError, Interrupted, NotResumableError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance
 from bilayer.results.files import open_result, write_result
@@ -51,15 +51,19 @@ def solve_with(
         check_writable(Path(output))
     earlier = None
     if resume is not None:
-        earlier = open_unfinished(resume)
-        held = open_result(resume) if earlier is None else earlier.result
-        check_same_run(held, resume, specimen, solver.name, model, settings, mesh)
+        with _resuming(resume):
+            earlier = open_unfinished(resume)
+            held = open_result(resume) if earlier is None else earlier.result
+            check_same_run(held, resume, specimen, solver.name, model, settings, mesh)
         if earlier is None:
             if output is not None and Path(output) != Path(resume) and is_first_rank():
                 write_result(held, output)
             return held
     path = _opened(solver, specimen, settings, mesh, start, comm, progress, earlier)
     with closing(path):
+        if earlier is not None:
+            with _resuming(resume):
+                path.restore(earlier.point.saved)
         provenance = Provenance.found(solver.name, model, settings, path.versions)
         recorder = Recorder(specimen, path, provenance, output, earlier)
         telling = [] if progress is None or not _is_first(path) else [reporter(progress)]
@@ -127,15 +131,30 @@ def _opened(
     progress: Progress | None,
     earlier: Unfinished | None,
 ) -> SpecimenPath:
-    """Return the path of a run, where it begins or where an earlier run was."""
+    """Return the path of a run, at its beginning; on the mesh of an earlier run if there is one."""
     if earlier is not None:
         mesh, start = earlier.mesh, None
-    path = solver.open_path(
+    return solver.open_path(
         specimen, settings, mesh=mesh, start=start, comm=comm, progress=progress
     )
-    if earlier is not None:
-        path.restore(earlier.point.saved)
-    return path
+
+
+@contextmanager
+def _resuming(path: str | Path | None) -> Iterator[None]:
+    """Say of an error that the run of a file cannot be resumed.
+
+    A solver takes the arrays of its resume point as they are: one that is missing, of another
+    shape or kind ends in an error of Python's own.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise NotResumableError(str(error)) from error
+    except (LookupError, ValueError, TypeError) as error:
+        found = " ".join(f"{type(error).__name__}: {error}".split())
+        raise NotResumableError(
+            f"result file {path}: its resume point is none of this solver's ({found})"
+        ) from error
 
 
 def _on_every_rank(path: SpecimenPath, recorder: Recorder) -> Any:

@@ -5,16 +5,20 @@ Each milestone is in the folder when it is reached. A case that was interrupted 
 
 import time
 import traceback
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bilayer.errors import InputError, NotEnoughMemoryError, NotWrittenError
+import xarray as xr
+
+from bilayer.errors import InputError, NotEnoughMemoryError, NotResumableError, NotWrittenError
 from bilayer.results.files import open_result
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.solvers.registry import solve, solver_named
-from bilayer.solvers.resuming import open_unfinished
 from bilayer.study.case import Case
-from bilayer.study.folder import CASE_FAILED, CASE_LACKS_MEMORY, LOG_BEGUN, StudyFolder
+from bilayer.study.damage import set_aside
+from bilayer.study.folder import LOG_BEGUN, LOG_SET_ASIDE, StudyFolder
+from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
 
 
 def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
@@ -43,16 +47,7 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         folder.log(LOG_BEGUN, case)
     start = time.perf_counter()
     try:
-        earlier = _earlier_file(case, folder, first)
-        before = 0.0 if earlier is None else _seconds_in(earlier)
-        result = solve(
-            case.specimen,
-            case.solver,
-            case.settings,
-            comm=comm,
-            output=folder.unfinished_file(case.identity),
-            resume=earlier,
-        )
+        result, before = _solve(case, folder, comm)
     except NotWrittenError as error:
         if first:
             folder.log_not_written(case, error)
@@ -68,20 +63,31 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         folder.keep_result(case, result, before + time.perf_counter() - start)
 
 
-def _earlier_file(case: Case, folder: StudyFolder, first: bool) -> Path | None:
-    """Return the file with the milestones of an earlier start, if it can go on from there."""
+def _solve(case: Case, folder: StudyFolder, comm: Any) -> tuple[xr.Dataset, float]:
+    """Return the result of a case, and the seconds that an earlier start spent on it.
+
+    It goes on from the milestones of an earlier start, if they can be used.
+    """
+    first = comm is None or comm.Get_rank() == 0
     file = folder.unfinished_file(case.identity)
     if first:
         remove_leftovers(file)
+    compute = partial(solve, case.specimen, case.solver, case.settings, comm=comm, output=file)
     if not file.exists():
-        return None
+        return compute(), 0.0
     try:
-        unfinished = open_unfinished(file)
-    except InputError:  # of a version that this one cannot read
-        return None
-    return None if unfinished is None else file
+        before = _seconds_in(file)
+        return compute(resume=file), before
+    except NotResumableError as error:
+        reason = str(error)
+    if first:
+        folder.log(LOG_SET_ASIDE, case, set_aside(file, reason))
+    return compute(), 0.0
 
 
 def _seconds_in(file: Path) -> float:
     """Return the seconds that an earlier start spent on the milestones in its file."""
-    return float(open_result(file)["wall_time"].sum())
+    try:
+        return float(open_result(file)["wall_time"].sum())
+    except InputError as error:
+        raise NotResumableError(str(error)) from error

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bilayer.study.case import Case
-from bilayer.study.folder import CASE_DONE
+from bilayer.study.records import CASE_DONE
 
 
 @dataclass(frozen=True)

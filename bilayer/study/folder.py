@@ -11,11 +11,11 @@ study.csv             the index, made anew from the files above
 import fcntl
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -24,38 +24,28 @@ import xarray as xr
 
 from bilayer.errors import ComputationError, InputError
 from bilayer.results.files import write_result
-from bilayer.runtime.output_file import check_writable, whole_file
+from bilayer.runtime.input_file import read_text
+from bilayer.runtime.output_file import check_writable, remove_leftovers, whole_file
 from bilayer.runtime.terminal import tell
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
-
-CASE_DONE, CASE_FAILED, CASE_LACKS_MEMORY = "done", "failed", "lacks memory"
-"""Status of a case."""
+from bilayer.study.records import (
+    CASE_FAILED,
+    LARGEST_PLAN,
+    NoResult,
+    failure_from,
+    plan_from,
+)
 
 LOG_BEGUN, LOG_DONE, LOG_NOT_WRITTEN = "begun", "done", "not written"
+LOG_SET_ASIDE = "set aside"
 """Events in the log, beside the status of a case that has no result."""
 
 
-@dataclass(frozen=True)
-class NoResult:
-    """The reason why a case has no result.
-
-    Parameters
-    ----------
-    status : {"failed", "lacks memory"}
-        A case that failed is left alone by later starts; one that lacked memory is not.
-    reason : str
-        In one line.
-    """
-
-    status: str
-    reason: str
-
-
-def _pair(stretch: Any) -> tuple[float, float]:
-    """Return a milestone of a plan as (lambda_x, lambda_y); older plans hold the larger alone."""
-    x, y = stretch if isinstance(stretch, list) else (stretch, stretch)
-    return x, y
+LOCK, WORKERS = ".lock", ".workers"
+"""Files that are locked by the process of a study, and by those that compute its cases."""
+LEFT_BY_A_WRITER = re.compile(r"\.[0-9a-f]{16}(\.unfinished)?\.[a-z0-9_]{8}")
+"""Names of the folders in which the files of cases are written before they are moved."""
 
 
 class StudyFolder:
@@ -76,6 +66,11 @@ class StudyFolder:
         return self.path / "plan.json"
 
     @property
+    def cases(self) -> Path:
+        """The folder of the files of all cases."""
+        return self.path / "cases"
+
+    @property
     def index_file(self) -> Path:
         """The index, a table."""
         return self.path / "study.csv"
@@ -85,13 +80,19 @@ class StudyFolder:
         """The log: a line for each start and each end of a case."""
         return self.path / "study.log"
 
+    @property
+    def own_files(self) -> tuple[Path, ...]:
+        """The files beside those of the cases, which may not be there yet."""
+        locks = (self.path / name for name in (LOCK, WORKERS))
+        return (self.plan_file, self.index_file, self.log_file, *locks)
+
     def result_file(self, identity: str) -> Path:
         """Return the path of the result of a case."""
-        return self.path / "cases" / f"{identity}.nc"
+        return self.cases / f"{identity}.nc"
 
     def unfinished_file(self, identity: str) -> Path:
         """Return the path of the milestones of a case until it is finished."""
-        return self.path / "cases" / f"{identity}.unfinished.nc"
+        return self.cases / f"{identity}.unfinished.nc"
 
     def kept_file(self, identity: str) -> Path:
         """Return the path of a case: of its result, or else of its milestones so far."""
@@ -100,7 +101,7 @@ class StudyFolder:
 
     def failure_file(self, identity: str) -> Path:
         """Return the path of the reason why a case has no result."""
-        return self.path / "cases" / f"{identity}.failed"
+        return self.cases / f"{identity}.failed"
 
     def make(self) -> None:
         """Make the folder, unless it is there.
@@ -111,12 +112,21 @@ class StudyFolder:
             It cannot be made or written.
         """
         try:
-            (self.path / "cases").mkdir(parents=True, exist_ok=True)
+            self.path.mkdir(parents=True, exist_ok=True)
+            self.cases.mkdir(exist_ok=True)
         except OSError as error:
             raise InputError(
                 f"study folder {self.path}: cannot be made ({error.strerror})"
             ) from error
         check_writable(self.log_file)
+
+    def remove_leftovers(self) -> None:
+        """Remove what processes left that were killed while they wrote; none writes now."""
+        for file in (self.plan_file, self.index_file):
+            remove_leftovers(file)
+        for left in self.cases.iterdir():
+            if LEFT_BY_A_WRITER.fullmatch(left.name) and left.is_dir():
+                shutil.rmtree(left, ignore_errors=True)
 
     def keep_plan(self, plan: StudyPlan) -> None:
         """Write the plan: what the index and the dataset are made by.
@@ -147,18 +157,15 @@ class StudyFolder:
         Raises
         ------
         InputError
-            There is no study in this folder.
+            There is no study in this folder, or its plan is damaged.
         """
-        try:
-            plan: dict[str, Any] = json.loads(self.plan_file.read_text(encoding="utf-8"))
-        except (OSError, json.JSONDecodeError) as error:
+        if not self.plan_file.exists():
             raise InputError(
-                f"study folder {self.path}: has no plan.json that can be read, expected the "
-                "folder of `bilayer study`"
-            ) from error
-        for entry in plan["cases"]:
-            entry["milestones"] = [_pair(stretch) for stretch in entry["milestones"]]
-        return plan
+                f"study folder {self.path}: has no plan.json, expected the folder of `bilayer "
+                "study`"
+            )
+        with _named("study plan", self.plan_file):
+            return plan_from(read_text(self.plan_file, "study plan", largest=LARGEST_PLAN))
 
     def has_result(self, identity: str) -> bool:
         """Whether a case is finished, be it that it stopped early."""
@@ -214,7 +221,7 @@ class StudyFolder:
 
     def remove_half_written(self, case: Case) -> None:
         """Remove what a process that was killed while it wrote a file of a case has left."""
-        for left in (self.path / "cases").glob(f".{case.identity}.*"):
+        for left in self.cases.glob(f".{case.identity}.*"):
             shutil.rmtree(left, ignore_errors=True)
 
     def log_not_written(self, case: Case, error: Exception) -> None:
@@ -249,16 +256,28 @@ class StudyFolder:
         self.log(status, case, record["reason"])
 
     def failure(self, identity: str) -> NoResult | None:
-        """Return the reason why a case has no result, if it was recorded."""
-        try:
-            record = json.loads(self.failure_file(identity).read_text(encoding="utf-8"))
-        except OSError:
+        """Return the reason why a case has no result, if it was recorded.
+
+        Raises
+        ------
+        InputError
+            The record is damaged.
+        """
+        file = self.failure_file(identity)
+        if not (file.exists() or file.is_symlink()):
             return None
-        return NoResult(record.get("status", CASE_FAILED), record["reason"])
+        with _named("failure record", file):
+            return failure_from(read_text(file, "failure record"))
 
     def has_failed(self, identity: str) -> bool:
-        """Whether a case has failed for good: it is computed again only if that is asked for."""
-        recorded = self.failure(identity)
+        """Whether a case has failed for good: it is computed again only if that is asked for.
+
+        A damaged record says nothing.
+        """
+        try:
+            recorded = self.failure(identity)
+        except InputError:
+            return False
         return recorded is not None and recorded.status == CASE_FAILED
 
     @contextmanager
@@ -270,7 +289,7 @@ class StudyFolder:
         ComputationError
             Another study is running in the folder.
         """
-        with self._hold_lock(".lock", fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+        with self._hold_lock(LOCK, fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
             if not held:
                 raise ComputationError(
                     f"study folder {self.path}: another study is running in it; end that one, "
@@ -282,13 +301,13 @@ class StudyFolder:
     @contextmanager
     def mark_as_working(self) -> Iterator[None]:
         """Mark this process, for as long as it lives, as one that writes into the folder."""
-        with self._hold_lock(".workers", fcntl.LOCK_SH):
+        with self._hold_lock(WORKERS, fcntl.LOCK_SH):
             yield
 
     def _wait_for_workers(self) -> None:
         told = False
         while True:
-            with self._hold_lock(".workers", fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
+            with self._hold_lock(WORKERS, fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
                 if free:
                     return
             if not told:
@@ -308,3 +327,14 @@ class StudyFolder:
             except OSError:  # a file system without locks, as some of clusters: go on without
                 pass
             yield True
+
+
+@contextmanager
+def _named(what: str, file: Path) -> Iterator[None]:
+    """Say of an InputError which file it is about, unless it says so."""
+    try:
+        yield
+    except InputError as error:
+        if str(file) in str(error):
+            raise
+        raise InputError(f"{what} {file}: {error}") from error

@@ -9,7 +9,8 @@ import pandas as pd
 from bilayer.errors import INTERRUPTED, InputError
 from bilayer.runtime.output_file import whole_file
 from bilayer.solvers.registry import settings_class
-from bilayer.study.folder import CASE_DONE, CASE_FAILED, NoResult, StudyFolder
+from bilayer.study.folder import StudyFolder
+from bilayer.study.records import CASE_DONE, CASE_FAILED, NoResult
 from bilayer.study.scalars import Scalars, read_scalars_of
 
 CASE_STOPPED, CASE_MISSING = "stopped early", "missing"
@@ -96,10 +97,10 @@ def _state(
 ) -> tuple[Scalars | None, str, str]:
     """Return the stored scalars of a case, its status, and the reason of the status."""
     path = folder.kept_file(entry["case"])
-    failure = folder.failure(entry["case"])
-    if stored is None:
-        return None, *_recorded(failure, CASE_MISSING, "")
     try:
+        failure = folder.failure(entry["case"])
+        if stored is None:
+            return None, *_recorded(failure, CASE_MISSING, "")
         if isinstance(stored, InputError):
             raise stored
         stored.check_milestones(path, len(entry["milestones"]))

@@ -11,12 +11,14 @@ from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
-from bilayer.study.folder import CASE_FAILED, CASE_LACKS_MEMORY, StudyFolder
+from bilayer.study.damage import set_aside_cases, set_aside_plan, set_aside_strange
+from bilayer.study.folder import StudyFolder
 from bilayer.study.index import CASE_STOPPED, read_index, write_index
 from bilayer.study.memory import memory_note, separate_by_memory
 from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import available_cores, compute_in_processes
 from bilayer.study.rank_groups import compute_on_ranks, prepare_on_first_rank
+from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
 
 
 def run_study(
@@ -49,7 +51,8 @@ def run_study(
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
     notice : callable, optional
-        Called with a line of text if the memory allows fewer cases at a time than `jobs`.
+        Called with a line of text for each damaged file that is set aside, and if the memory
+        allows fewer cases at a time than `jobs`.
 
     Returns
     -------
@@ -64,10 +67,11 @@ def run_study(
         Another study runs in the folder, or it cannot be written any more, for example on a full
         disk; the cases that are finished stay.
     """
-    folder = StudyFolder(path)
+    folder, told = StudyFolder(path), notice or _tell_nobody
+    set_aside_strange(folder, told)
     folder.make()
     with folder.lock_for_study():
-        folder.keep_plan(plan)
+        _put_in_order(folder, plan, told)
         waiting = cases_to_compute(plan, folder, retry_failed)
         count = available_cores() if jobs is None else jobs
         room = available_memory() if memory is None else memory
@@ -75,8 +79,8 @@ def run_study(
         for case, reason in shortages.items():
             folder.keep_failure(case, reason, status=CASE_LACKS_MEMORY)
         note = memory_note(fitting, count, room)
-        if note and notice is not None:
-            notice(note)
+        if note:
+            told(note)
         compute_in_processes(fitting, folder, count, room, _progress_reporter(fitting, progress))
         return write_index(folder)
 
@@ -89,12 +93,13 @@ def run_study_on_ranks(
     ranks_per_case: int = 1,
     retry_failed: bool = False,
     progress: Progress | None = None,
+    notice: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
     """Compute what a study's folder lacks, on the ranks of mpirun; see `run_study`.
 
     Parameters
     ----------
-    plan, path, retry_failed, progress
+    plan, path, retry_failed, progress, notice
         As for `run_study`, the same on all ranks; the first reports the progress.
     world : mpi4py.MPI.Comm
         All ranks.
@@ -106,13 +111,14 @@ def run_study_on_ranks(
             f"--ranks-per-case = {ranks_per_case}: expected at most the {world.Get_size()} ranks "
             "of mpirun"
         )
-    folder = StudyFolder(path)
+    folder, told = StudyFolder(path), notice or _tell_nobody
     with ExitStack() as held:
 
         def prepare() -> list[Case]:
+            set_aside_strange(folder, told)
             folder.make()
             held.enter_context(folder.lock_for_study())
-            folder.keep_plan(plan)
+            _put_in_order(folder, plan, told)
             return cases_to_compute(plan, folder, retry_failed)
 
         waiting = prepare_on_first_rank(world, prepare)
@@ -129,6 +135,7 @@ def run_one_case(
     *,
     world: Any = None,
     retry_failed: bool = False,
+    notice: Callable[[str], None] | None = None,
 ) -> None:
     """Compute one case of a study by its number, unless it is there; a task of a job array.
 
@@ -136,8 +143,8 @@ def run_one_case(
 
     Parameters
     ----------
-    plan, path, retry_failed
-        As for `run_study`.
+    plan, path, retry_failed, notice
+        As for `run_study`; the files of this case alone are set aside.
     number : int
         Place of the case in the study, from 1.
     world : mpi4py.MPI.Comm, optional
@@ -153,10 +160,12 @@ def run_one_case(
     if not 1 <= number <= len(plan.cases):
         raise InputError(f"--case = {number}: expected a number from 1 to {len(plan.cases)}")
     case = plan.cases[number - 1]
-    folder = StudyFolder(path)
+    folder, told = StudyFolder(path), notice or _tell_nobody
 
     def prepare() -> bool:
+        set_aside_strange(folder, told)
         folder.make()
+        set_aside_cases(folder, [case], told)
         folder.keep_plan(plan)
         return case in cases_to_compute(plan, folder, retry_failed)
 
@@ -182,6 +191,18 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
         waiting += [case for case in plan.cases if case.identity in failed]
     suspects = folder.begun_without_end()
     return sorted(waiting, key=lambda case: (case.identity in suspects, -case.cost))
+
+
+def _put_in_order(folder: StudyFolder, plan: StudyPlan, told: Callable[[str], None]) -> None:
+    """Remove what is left of killed processes, set aside what is damaged, and keep the plan."""
+    folder.remove_leftovers()
+    set_aside_plan(folder, told)
+    set_aside_cases(folder, plan.cases, told)
+    folder.keep_plan(plan)
+
+
+def _tell_nobody(line: str) -> None:
+    pass
 
 
 def _progress_reporter(cases: Sequence[Case], progress: Progress | None) -> Callable[[Case], None]:

@@ -13,6 +13,7 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from bilayer.measures.milestone import Measures, measure
 from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
@@ -198,6 +199,11 @@ class ShellPath:
         """Be in a state that was saved."""
         x, y = saved["stretch"]
         modes = int(saved["unstable_modes"])
+        expected = self._path.stopped().state.shape
+        if saved["state"].shape != expected:
+            raise InputError(
+                f"resume: state has the shape {saved['state'].shape}, expected {expected}"
+            )
         state = np.asarray(saved["state"], dtype=np.float64)
         whole = np.zeros(len(self._shell.flat((float(x), float(y)))))
         whole[: len(state)] = state  # files of earlier versions have no whole turns of folds
