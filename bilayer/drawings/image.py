@@ -12,6 +12,8 @@ from bilayer.drawings.lines import Points
 from bilayer.drawings.packages import package
 from bilayer.errors import InputError
 
+FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM")
+"""Those that Pillow reads by itself, told by the content: for EPS it starts Ghostscript."""
 MOST_PIXELS = 50_000_000
 SHADES = ("dark", "light")
 
@@ -83,7 +85,7 @@ def _shades(path: Path) -> NDArray[np.float64]:
     """Return the grey values of an image on white paper, from 0 to 1."""
     image = package("PIL.Image")
     try:
-        with image.open(path) as opened:
+        with image.open(path, formats=FORMATS) as opened:
             width, height = opened.size
             if width * height > MOST_PIXELS:
                 raise InputError(

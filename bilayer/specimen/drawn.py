@@ -3,11 +3,12 @@
 So a specimen carries its shapes with it: results and studies of it need no other file.
 """
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import shapely
 
@@ -16,12 +17,19 @@ from bilayer.drawings.image import SHADES, ImageSource
 from bilayer.drawings.lines import Points
 from bilayer.drawings.source import ORIGINS, DrawingSource
 from bilayer.errors import InputError, fields_of
+from bilayer.runtime.child_process import ChildProcessDiedError, run_in_child
+from bilayer.runtime.input_file import open_input, unreadable
+from bilayer.runtime.memory import available_memory
 from bilayer.specimen.outline import rings_of
 from bilayer.specimen.pattern import KEPT_OR_CUT
 from bilayer.specimen.tables import Tables, check_keys, required
 from bilayer.specimen.units import in_si
 from bilayer.validation import fraction, listed, not_negative, one_of, positive, text
 
+Found = TypeVar("Found")
+
+SHORTEST_TIME, BYTES_PER_SECOND = 15.0, 1e5
+"""Seconds that a drawing may take to be read: so many, and longer the larger it is."""
 SHARPEST = 20.0
 """Corners are kept sharp by an offset up to this length over its width."""
 DRAWING = tuple(field.name for field in fields(DrawingSource) if field.name != "path")
@@ -133,7 +141,22 @@ def _drawn(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, str]
 @lru_cache(maxsize=16)
 def _contours(source: DrawingSource, modified: float) -> list[Points]:
     """Return the contours of a drawing; the cases of a study read it once."""
-    return source.contours()
+    return _read_apart("drawing =", source.path, source.contours)
+
+
+def _read_apart(what: str, path: Path, read: Callable[[], Found]) -> Found:
+    """Return what is read from a drawing or an image, in a child process.
+
+    A small file may stand for lines without an end, by blocks in blocks.
+    """
+    with open_input(path, what) as descriptor:
+        seconds = SHORTEST_TIME + os.fstat(descriptor).st_size / BYTES_PER_SECOND
+    try:
+        return run_in_child(read, seconds, available_memory())
+    except ChildProcessDiedError as error:
+        raise unreadable(path, what, f"damaged: reading it {error}") from error
+    except (MemoryError, RecursionError) as error:
+        raise unreadable(path, what, f"damaged: {type(error).__name__}") from error
 
 
 def _modified(path: Path) -> float:
@@ -151,7 +174,8 @@ def _pictured(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, s
         not_negative("smoothing", lengths.get("smoothing", 0.0)),
         not_negative("least_area", lengths.get("least_area", 0.0)),
     )
-    return source.region(), one_of("what", table.get("what", "kept"), KEPT_OR_CUT)
+    region = _read_apart("image =", path, source.region)
+    return region, one_of("what", table.get("what", "kept"), KEPT_OR_CUT)
 
 
 def offset(region: shapely.Geometry, distance: float) -> shapely.Geometry:
