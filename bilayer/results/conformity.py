@@ -25,7 +25,7 @@ from bilayer.results.schema import (
 )
 from bilayer.runtime.input_file import LARGEST_TEXT
 
-NUMBER, WHOLE, TEXT = "numbers", "whole numbers", "texts"
+NUMBER, WHOLE, TEXT = "floating-point numbers", "whole numbers", "texts"
 SIZES = {"xyz": 3, "corner": 3, "vertex": 4}
 """Lengths of the dimensions that have always the same one."""
 
@@ -38,7 +38,7 @@ class Layout:
 
     Parameters
     ----------
-    kind : {"numbers", "whole numbers", "texts"}
+    kind : {"floating-point numbers", "whole numbers", "texts"}
         Of each value.
     dims : tuple of str
         Dimensions, in this order.
@@ -127,9 +127,12 @@ def check_attributes(attributes: Mapping[str, Any]) -> None:
     _check_there(attributes, REQUIRED["attribute"], "attribute")
     _check_texts(attributes, TEXTS)
     try:
-        tomllib.loads(attributes["settings"])
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        settings = tomllib.loads(attributes["settings"])
+    except (ValueError, RecursionError) as error:
         raise InputError(f"settings: not valid TOML ({error})") from error
+    for name, value in settings.items():
+        if not isinstance(value, (str, int, float, list)):
+            raise InputError(f"settings: {name} = {value}, expected a number, a text or a list")
 
 
 def check_variables(variables: Mapping[str, tuple[Iterable[Any], Array]]) -> None:
@@ -190,7 +193,7 @@ def _check_kind(name: str, values: Array, kind: str) -> None:
     if kind == TEXT:
         good = values.dtype.kind in "US" or all(isinstance(v, str) for v in values.flat)
     else:
-        good = values.dtype.kind in "fiu"
+        good = values.dtype.kind in ("f" if kind == NUMBER else "fiu")
     if not good:
         raise InputError(f"{name}: holds values of the type {values.dtype}, expected {kind}")
     if kind == WHOLE and values.dtype.kind == "f":

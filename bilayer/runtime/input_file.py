@@ -15,7 +15,7 @@ from pathlib import Path
 
 from bilayer.errors import InputError
 
-LARGEST_TEXT = 2**22
+LARGEST_TEXT = 2**26
 """Bytes of a specimen file, a study file or a record that are read."""
 ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 DESCRIPTORS = tuple(folder for folder in ("/proc/self/fd", "/dev/fd") if Path(folder).is_dir())

@@ -75,9 +75,9 @@ def _why_not_of(case: Case, path: Path, stored: Scalars | InputError) -> str:
     """Return why a file is no result of a case; an empty text if it is one."""
     if isinstance(stored, InputError):
         return str(stored)
-    identity = stored.attributes.get("study_case", case.identity)
+    identity = stored.attributes.get("study_case")
     if not isinstance(identity, str) or identity != case.identity:
-        return f"result file {path}: is of the case {identity}"
+        return f"result file {path}: study_case = {identity}, expected {case.identity}"
     try:
         stored.check_milestones(path, case.milestones)
     except InputError as error:

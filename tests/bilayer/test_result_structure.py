@@ -123,6 +123,11 @@ NOT_A_RESULT = {
     "complex positions": (
         with_values("position", lambda v: v + 1j), "position: holds values .* complex128"
     ),
+    "whole numbers of one byte": (
+        with_values("quality", lambda v: np.zeros(3, dtype=np.int8)),
+        "quality: holds values of the type int8, expected floating-point",
+    ),
+    "tables as settings": (with_attribute("settings", "[a]\nb = 1"), "settings: a = .* expected a"),
     "truth values": (
         with_values("converged", lambda v: v.astype(bool)), "converged: holds values .* bool"
     ),

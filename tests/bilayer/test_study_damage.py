@@ -84,6 +84,7 @@ RESULTS = {
     "flipped": flipped,
     "without stop_reason": changed(lambda stored: stored.delncattr("stop_reason")),
     "stop_reason a number": changed(lambda stored: stored.setncattr("stop_reason", 3)),
+    "of no case": changed(lambda stored: stored.delncattr("study_case")),
     "of another case": changed(lambda stored: stored.setncattr("study_case", "0" * 16)),
     "odd numbers": changed(lambda stored: stored["converged"].__setitem__(0, 9)),
     "fewer milestones": half_of_the_milestones,
