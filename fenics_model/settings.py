@@ -35,9 +35,9 @@ class SolidSettings:
     smallest_step: float = setting(1e-4, "smallest load step; if it fails, the path ends [1]")
     largest_step: float = setting(0.05, "largest load step [1]")
     target_iterations: int = setting(
-        8, "Newton iterations that a load step should take; its size grows or shrinks toward this"
+        8, "corrections that a load step should take; its size grows or shrinks toward this"
     )
-    iteration_limit: int = setting(12, "Newton iterations after which a load step has failed")
+    iteration_limit: int = setting(12, "new tangents after which a load step has failed")
     flow_steps: int = setting(
         100,
         "maximum number of pseudo-time steps of the gradient flow, which finds a stable "
@@ -60,7 +60,7 @@ class SolidSettings:
     )
     petsc_options: str = setting(
         "",
-        "further PETSc options, such as '-bilayer_snes_monitor'; their prefix is bilayer_",
+        "further PETSc options, such as '-bilayer_mat_mumps_icntl_4 2'; their prefix is bilayer_",
         not_plain=not_plain_option,
     )
 

@@ -12,9 +12,6 @@ from numpy.typing import NDArray
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 
-RESIDUAL_IS_NO_NUMBER = -4
-"""Why SNES ended: DIVERGED_FNORM_NAN, which newer PETSc calls DIVERGED_FUNCTION_NANORINF."""
-
 
 def create_mesh(
     comm: Any, cells: NDArray[np.int64], points: NDArray[np.float64], domain: Any

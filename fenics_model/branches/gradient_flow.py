@@ -14,6 +14,7 @@ import numpy as np
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
+from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
 
@@ -65,11 +66,15 @@ class FlowOutcome:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A time step: where it ended, what it took, and its viscous force, N; None if it failed."""
+    """A time step: where it ended, what it took, and its viscous force, N; None if it failed.
+
+    The factors are those of its end, which showed that it went downhill.
+    """
 
     state: State
     effort: Effort
-    force: float | None
+    force: float | None = None
+    factors: Factors | None = None
 
 
 class GradientFlow:
@@ -105,43 +110,48 @@ class GradientFlow:
         """
         rule, state = self._rule, start
         effort, k, growth, force_before = Effort(), self._first, rule.growth, np.inf
+        factors: Factors | None = None
         while effort.flow_steps < rule.step_limit and k <= rule.stiffest * self._first:
-            step = self._take_step(state, k, tolerance)
-            state, effort = step.state, effort + step.effort
+            step = self._take_step(state, k, tolerance, factors)
+            state, effort, factors = step.state, effort + step.effort, step.factors
             if step.force is None:
                 k, growth = k * rule.cut, rule.growth_after_cut
                 continue
             k /= growth
             if step.force < min(force_before, rule.slow * reference):
-                rest = self._solve_if_stable(state, tolerance)
-                effort += Effort(rest.iterations)
+                rest, _ = self._solve_if_stable(state, tolerance, factors)
+                effort, factors = effort + Effort(rest.iterations), None
                 if rest.converged:
                     return FlowOutcome(rest.state, rest, effort)
             force_before = step.force
         return FlowOutcome(state, None, effort)
 
-    def _take_step(self, state: State, k: float, tolerance: float) -> _Step:
-        """Take one time step; stay if it fails."""
+    def _take_step(
+        self, state: State, k: float, tolerance: float, factors: Factors | None
+    ) -> _Step:
+        """Take one time step, at first with the factors of the step before; stay if it fails."""
         accuracy = max(tolerance, self._rule.step_accuracy * self._newton.residual_norm(state))
         with self._newton.slow_down(k, state) as viscosity:
-            outcome = self._solve_if_stable(state, accuracy)
+            outcome, last = self._solve_if_stable(state, accuracy, factors)
             effort = Effort(outcome.iterations, flow_steps=1)
             if not outcome.converged:
-                return _Step(state, effort, None)
+                return _Step(state, effort)
             force, work = viscosity.norm_and_work(outcome.state)
-        return _Step(outcome.state, replace(effort, dissipated=work), force)
+        return _Step(outcome.state, replace(effort, dissipated=work), force, last)
 
-    def _solve_if_stable(self, guess: State, tolerance: float) -> NewtonOutcome:
+    def _solve_if_stable(
+        self, guess: State, tolerance: float, factors: Factors | None
+    ) -> tuple[NewtonOutcome, Factors | None]:
         """Solve; a solution whose tangent has an unstable mode has not converged.
 
-        A factorisation that does not show the modes (-1) counts as stable.
+        A factorisation that does not show the modes (-1) counts as stable. The factors of the
+        solution are good for the next time step, too.
         """
-        outcome = self._newton.solve(guess, tolerance)
+        outcome = self._newton.solve(guess, tolerance, factors)
         if not outcome.converged:
-            return outcome
-        factors = outcome.factors or self._newton.factorise(outcome.state)
-        with factors:
-            unstable = unstable_modes(factors, self._newton.solid.number_of_pressures)
+            return outcome, None
+        last = self._newton.factorise(outcome.state)
+        unstable = unstable_modes(last, self._newton.solid.number_of_pressures)
         if unstable > 0:
-            return replace(outcome, converged=False, reason=f"{unstable} unstable modes")
-        return outcome
+            return replace(outcome, converged=False, reason=f"{unstable} unstable modes"), None
+        return outcome, last

@@ -201,7 +201,7 @@ class Continuation:
         outcome = self._newton.solve(self.predictor.guess(there), accepted)
         self._effort += Effort(outcome.iterations)
         if outcome.converged:
-            self.control = self.control.after_success(outcome.iterations)
+            self.control = self.control.after_success(outcome.corrections)
             return outcome
         self.control = self.control.after_failure(abs(there - self.parameter))
         if self.control.failures % self._failures_before_flow and not self.control.is_exhausted:

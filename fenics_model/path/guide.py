@@ -1,7 +1,7 @@
 """Load steps that another result's shapes predict, straight from one shape to the next.
 
 A shape of the guide, made a state of the solid, differs from the solid's equilibrium by a defect.
-The defect at the next parameter is extrapolated from the last two and added to the guide's state.
+The defect at the next parameter is extrapolated from the last three and added to the guide's state.
 This is the initial guess of Newton's method. If the solution is far from the guess, it is on
 another branch, and the step is rejected.
 """
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.results.starting import LONGEST_WAY
+from fenics_model.path.predictor import MEMORY, extrapolation_weights
 from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton, NewtonOutcome
@@ -155,7 +156,7 @@ class Guide:
         """Record the defect of the shape at a parameter, if there is one."""
         if parameter in self._shapes:
             defect = state - self._state_at(parameter)
-            self.defects = [*self.defects[-1:], (parameter, defect)]
+            self.defects = [*self.defects[-MEMORY + 1 :], (parameter, defect)]
             self.is_trusted = True
 
     def _state_at(self, parameter: float) -> State:
@@ -165,10 +166,9 @@ class Guide:
         return self._states[parameter]
 
     def _defect_at(self, parameter: float) -> Array:
-        """Return the last defect, or the secant through the last two."""
-        if not self.defects:
-            return np.zeros_like(self._newton.solid.unknown.x.array)
-        if len(self.defects) < 2:
-            return self.defects[0][1]
-        (s, first), (t, second) = self.defects
-        return second + (parameter - t) / (t - s) * (second - first)
+        """Return the defect extrapolated from the last ones; zero if there is none."""
+        defect = np.zeros_like(self._newton.solid.unknown.x.array)
+        weights = extrapolation_weights([t for t, _ in self.defects], parameter)
+        for weight, (_, known) in zip(weights, self.defects, strict=True):
+            defect += weight * known
+        return defect

@@ -10,6 +10,20 @@ MEMORY = 3
 """Equilibria that a predictor keeps: a parabola goes through three."""
 
 
+def extrapolation_weights(known: Sequence[float], parameter: float) -> list[float]:
+    """Return the weights of values at known parameters, for that at another one (Lagrange).
+
+    Examples
+    --------
+    >>> extrapolation_weights([1.0, 2.0], 3.0)
+    [-1.0, 2.0]
+    """
+    return [
+        float(np.prod([(parameter - other) / (t - other) for other in known if other != t]))
+        for t in known
+    ]
+
+
 class Predictor:
     """Extrapolates the last equilibria: the parabola through three, the secant through two.
 
@@ -33,11 +47,10 @@ class Predictor:
         self.known = [(2 * here - t, state) for t, state in self.known]
 
     def guess(self, parameter: float) -> State:
-        """Guess the state at a parameter (Lagrange's formula)."""
+        """Guess the state at a parameter."""
         change = np.zeros_like(self.last.values)
-        for t, state in self.known:
-            others = [s for s, _ in self.known if s != t]
-            weight = np.prod([(parameter - s) / (t - s) for s in others])
+        weights = extrapolation_weights([t for t, _ in self.known], parameter)
+        for weight, (_, state) in zip(weights, self.known, strict=True):
             change += weight * (state - self.last)
         return self.last + change
 

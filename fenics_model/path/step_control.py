@@ -1,4 +1,4 @@
-"""The size of the next load step, from how many iterations the last one took."""
+"""The size of the next load step, from how many corrections the last one took."""
 
 from dataclasses import dataclass, replace
 from math import ceil, sqrt
@@ -8,7 +8,8 @@ from math import ceil, sqrt
 class StepControl:
     """An adaptive step: grows or shrinks toward a target number of iterations, halves on failure.
 
-    It depends on iteration counts alone, so every rank and every repetition takes the same steps.
+    It depends on counts of corrections alone, so every rank and every repetition takes the same
+    steps.
 
     Parameters
     ----------

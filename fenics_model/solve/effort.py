@@ -17,12 +17,15 @@ class Work:
         Factorisations and the solutions with them, s.
     total : float
         Everything, s.
+    corrections : int
+        Of states, each a solution with a factor that was there.
     """
 
     factorisations: int = 0
     assembly: float = 0.0
     factorisation: float = 0.0
     total: float = 0.0
+    corrections: int = 0
 
     def __add__(self, other: "Work") -> "Work":
         return Work(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(Work)))
@@ -35,7 +38,7 @@ class Effort:
     Parameters
     ----------
     iterations : int
-        Newton iterations, each with one factorisation.
+        Newton iterations: new tangents, each with one factorisation.
     load_steps : int
         Load steps that came to an equilibrium.
     flow_steps : int

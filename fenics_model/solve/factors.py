@@ -23,6 +23,15 @@ _MUMPS_FAILURES = {
 }
 
 
+_PETSC_FAILURES = {
+    55: "out of memory",
+    71: "a pivot is zero",
+    72: "not a number",
+    76: "MUMPS failed",
+}
+"""PETSc's error codes for what a shorter step may avoid."""
+
+
 class ExpiredFactorsError(RuntimeError):
     """The factors were released, or their solver has factorised another tangent since."""
 
@@ -40,10 +49,15 @@ class Factors:
         The tangent.
     layout : Layout
         Of its vectors.
+    failure : str
+        Why PETSc made none; empty if it went through.
     """
 
-    def __init__(self, solver: PETSc.KSP, matrix: PETSc.Mat, layout: Layout) -> None:
+    def __init__(
+        self, solver: PETSc.KSP, matrix: PETSc.Mat, layout: Layout, failure: str = ""
+    ) -> None:
         self._solver, self._matrix, self._layout = solver, matrix, layout
+        self._failure = failure
         self._is_valid = True
 
     def __enter__(self) -> "Factors":
@@ -81,23 +95,24 @@ class Factors:
     @property
     def failure(self) -> str:
         """The reason why the factorisation failed; empty if it did not."""
-        return why_factorisation_failed(self._preconditioner)
+        return self._failure or why_factorisation_failed(self._preconditioner)
 
     @property
     def negative_pivots(self) -> int | None:
         """Number of negative pivots; None if the factorisation failed or does not tell."""
+        if self.failure:
+            return None
         factors = self._preconditioner
         tells = (
             factors.getType() == PETSc.PC.Type.CHOLESKY
             and factors.getFactorSolverType() == PETSc.Mat.SolverType.MUMPS
-            and not factors.getFailedReason()
         )
         return int(factors.getFactorMatrix().getMumpsInfog(_NEGATIVE_PIVOTS)) if tells else None
 
     def solve(self, right: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the change of state for a right side, both with ghosts."""
         with self._layout.vectors(right, None) as (side, change):
-            self._preconditioner.apply(side, change)
+            self.solver.solve(side, change)
             return self._layout.read(change)
 
     @property
@@ -107,6 +122,19 @@ class Factors:
     def _check(self) -> None:
         if not self._is_valid:
             raise ExpiredFactorsError("these factors are no longer there")
+
+
+def why_petsc_failed(error: PETSc.Error) -> str:
+    """Return in words why PETSc gave up a factorisation, if a shorter step may avoid that.
+
+    Raises
+    ------
+    PETSc.Error
+        Nothing of the kind.
+    """
+    if error.ierr not in _PETSC_FAILURES:
+        raise error
+    return f"PETSc: {_PETSC_FAILURES[error.ierr]}"
 
 
 def why_factorisation_failed(factors: PETSc.PC) -> str:

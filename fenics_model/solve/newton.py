@@ -1,4 +1,9 @@
-"""Newton's method on a residual and its tangent: PETSc's SNES, open to the user's options."""
+"""Newton's method on a residual and its tangent, a factor kept as long as that costs less.
+
+Each tangent's factor serves several accelerated corrections (`corrections`). PETSc assembles and
+solves, open to the user's options; its own accelerated methods can not tell when a new tangent is
+due, nor shorten a step that turned an element inside out.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,25 +15,21 @@ from types import TracebackType
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from bilayer.runtime.termination import PutOff, signals_put_off
-from fenics_model.api.dolfinx_api import RESIDUAL_IS_NO_NUMBER
 from fenics_model.plain_options import PREFIX
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
-from fenics_model.solve.factors import Factors, why_factorisation_failed
+from fenics_model.solve.corrections import AndersonMixing, CorrectionRule, Progress
+from fenics_model.solve.factors import Factors, why_petsc_failed
 from fenics_model.solve.layout import AssembledMatrix, Layout
 from fenics_model.solve.petsc_options import UserOptions
 from fenics_model.solve.stopwatch import Stopwatch
 
 DEFAULT_OPTIONS = {
-    "snes_type": "newtonls",
-    "snes_linesearch_type": "basic",  # full steps
-    "snes_rtol": "0",
-    "snes_stol": "0",  # the residual alone decides
-    "snes_divergence_tolerance": "1e10",
     "ksp_type": "preonly",
     "pc_type": "cholesky",  # of an indefinite matrix: L D L'
     "pc_factor_mat_solver_type": "mumps",
@@ -36,8 +37,7 @@ DEFAULT_OPTIONS = {
     "mat_mumps_icntl_14": "50",  # percent of extra workspace for delayed pivots
 }
 
-_FAILURES = {55: "out of memory", 71: "a pivot is zero", 72: "not a number", 76: "MUMPS failed"}
-"""PETSc's error codes for what a shorter step may avoid."""
+_INSIDE_OUT = "an element was turned inside out"
 
 Array = NDArray[np.float64]
 
@@ -53,24 +53,24 @@ class NewtonOutcome:
     converged : bool
         Whether the residual fell to the tolerance.
     iterations : int
-        Factorisations that it took.
+        New tangents, each with one factorisation, that it took.
+    corrections : int
+        Corrections with these factors.
     residual : float
         Final norm of the residual.
     correction : float
         Norm of the last correction.
     reason : str
         Why it failed, in a few words; empty if it converged.
-    factors : Factors or None
-        Of the last iteration's tangent, until the solver is used again; None without an iteration.
     """
 
     state: State
     converged: bool
     iterations: int
+    corrections: int
     residual: float
     correction: float
     reason: str
-    factors: Factors | None
 
 
 class Viscosity:
@@ -114,11 +114,13 @@ class Newton:
     held : sequence of dolfinx.fem.DirichletBC
         Constraints.
     iteration_limit : int
-        Iterations after which it has failed.
+        New tangents after which it has failed.
     options : str
         PETSc options that win over `DEFAULT_OPTIONS` and over the global options database.
     stopwatch : Stopwatch, optional
         Told of the work.
+    rule : CorrectionRule, optional
+        When a new tangent is due.
 
     Attributes
     ----------
@@ -136,35 +138,32 @@ class Newton:
         iteration_limit: int = 20,
         options: str = "",
         stopwatch: Stopwatch | None = None,
+        rule: CorrectionRule | None = None,
     ) -> None:
         self.solid, self.layout = solid, Layout(solid.space)
         self._held = list(held)
+        self._iteration_limit = iteration_limit
+        self._rule = CorrectionRule() if rule is None else rule
         self._viscosity: Viscosity | None = None
         self._handed_out: Factors | None = None
-        self._signals = PutOff()
         self.stopwatch = Stopwatch() if stopwatch is None else stopwatch
         self._options = UserOptions(options, DEFAULT_OPTIONS, PREFIX)
         with ExitStack() as stack:
-            self._create(iteration_limit, stack)
+            self._create(stack)
             self._resources = stack.pop_all()
 
-    def _create(self, iteration_limit: int, stack: ExitStack) -> None:
+    def _create(self, stack: ExitStack) -> None:
         """Make what PETSc solves with; the stack frees it."""
-        self._x, self._r = self.layout.create_vector(), self.layout.create_vector()
+        self._r = self.layout.create_vector()
         self._matrix = fem_petsc.create_matrix(self.solid.tangent.form)
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
-        self._snes = PETSc.SNES().create(self.layout.comm)
-        for made in (self._x, self._r, self._matrix, self._snes):
+        self._ksp = PETSc.KSP().create(self.layout.comm)
+        for made in (self._r, self._matrix, self._ksp):
             stack.callback(made.destroy)
-        self._snes.setOptionsPrefix(PREFIX)
-        self._snes.setFunction(self._residual, self._r)
-        self._snes.setJacobian(self._tangent, self._matrix)
-        self._snes.setTolerances(max_it=iteration_limit)
+        self._ksp.setOptionsPrefix(PREFIX)
         with self._options.apply():
-            self._snes.setFromOptions()
-        self._ksp = self._snes.getKSP()
-        stack.callback(self._ksp.destroy)
+            self._ksp.setFromOptions()
 
     def close(self) -> None:
         """Free what PETSc holds."""
@@ -182,68 +181,93 @@ class Newton:
     ) -> None:
         self.close()
 
-    def solve(self, guess: State, tolerance: float) -> NewtonOutcome:
-        """Iterate from a guess until the norm of the residual falls to `tolerance`."""
-        self._start_anew(guess)
-        self._snes.setTolerances(atol=tolerance)
-        reason = self._iterate()
-        iterations = self._snes.getIterationNumber()
+    def solve(
+        self, guess: State, tolerance: float, factors: Factors | None = None
+    ) -> NewtonOutcome:
+        """Iterate from a guess until the norm of the residual falls to `tolerance`.
+
+        Parameters
+        ----------
+        guess : State
+            Where it begins.
+        tolerance : float
+            Norm of the residual of a solution, N.
+        factors : Factors, optional
+            Of a tangent near the guess, for the first corrections; this solver made them last.
+        """
+        if factors is None:
+            self._take_factors_back()
+        self.solid.tangent.reset_extrapolation()
+        with signals_put_off() as signals, self.stopwatch.time_solution():
+            return self._iterate(Iterate.begin(self, guess), tolerance, factors, signals)
+
+    def _iterate(
+        self, here: "Iterate", tolerance: float, factors: Factors | None, signals: PutOff
+    ) -> NewtonOutcome:
+        """Correct, with a new factor when one is due."""
+        iterations, corrections, length, reason = 0, 0, 0.0, ""
+        bound = self._rule.growth_limit * here.norm
+        mixing = AndersonMixing(self.layout.dot, self._rule.history)
+        progress = Progress(self._rule, here.norm, tolerance)
+        if not math.isfinite(here.norm):
+            reason = _INSIDE_OUT
+        while here.norm > tolerance and not reason:
+            if factors is None or progress.is_slow:
+                if iterations == self._iteration_limit:
+                    reason = "too many iterations"
+                    break
+                iterations += 1
+                factors = self._factorise(here.state)
+                mixing = AndersonMixing(self.layout.dot, self._rule.history)
+                progress = Progress(self._rule, here.norm, tolerance)
+            reason = factors.failure
+            if reason:
+                break
+            corrections += 1
+            self.stopwatch.count_correction()
+            step = mixing.step(here.state, factors.solve(here.residual))
+            there = here.moved(step, self._rule.halvings)
+            if there is None:
+                reason = _INSIDE_OUT
+                break
+            length, here = self.layout.norm(there.state - here.state), there
+            progress.note(here.norm)
+            if here.norm > bound:
+                reason = "the residual grew beyond all bounds"
+            if self._is_interrupted(signals):
+                reason = "interrupted"
         if iterations:
             self._options.check_all_used()
         return NewtonOutcome(
-            State(self.layout.read(self._x)),
-            converged=not reason,
-            iterations=iterations,
-            residual=float(self._snes.getFunctionNorm()),
-            correction=float(self._snes.getSolutionUpdate().norm()) if iterations else 0.0,
-            reason=reason,
-            factors=self._hand_out_factors() if iterations else None,
+            here.state, not reason, iterations, corrections, here.norm, length, reason
         )
 
-    def _iterate(self) -> str:
-        """Run PETSc's iteration from `_x`; return why it failed, or an empty text."""
-        with (
-            signals_put_off() as self._signals,
-            self.stopwatch.time_solution(),
-            self._options.apply(),
-        ):
-            try:
-                self._snes.solve(None, self._x)
-            except PETSc.Error as error:
-                if error.ierr not in _FAILURES:
-                    raise
-                return f"PETSc: {_FAILURES[error.ierr]}"
-        reason = self._snes.getConvergedReason()
-        if reason > 0:
-            return ""
-        if reason == PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE:
-            return why_factorisation_failed(self._ksp.getPC())
-        return _in_words(reason)
+    def _is_interrupted(self, signals: PutOff) -> bool:
+        """Whether any rank was asked to end, so that all end together."""
+        return bool(self.layout.comm.allreduce(signals.asked_for, op=MPI.LOR))
 
     def factorise(self, state: State) -> Factors:
-        """Factorise the tangent of a state."""
-        self._start_anew(state)
-        self._tangent(self._snes, self._x, self._matrix, self._matrix)
-        self._ksp.setOperators(self._matrix)
-        with self.stopwatch.time_solution(), self._options.apply():
-            self._ksp.setUp()
-        return self._hand_out_factors()
-
-    def _start_anew(self, state: State) -> None:
-        """Forget the tangents so far, and go to a state.
-
-        PETSc would return a failed factorisation from then on, so it is dropped.
-        """
-        self._take_factors_back()
+        """Factorise the exact tangent of a state."""
         self.solid.tangent.reset_extrapolation()
+        with self.stopwatch.time_solution():
+            return self._factorise(state)
+
+    def _factorise(self, state: State) -> Factors:
+        self._take_factors_back()
         factors = self._ksp.getPC()
         if factors.getFailedReason():
-            factors.reset()
+            factors.reset()  # PETSc would return the failure from then on
         self._go_to(state)
-        self._x.array[:] = self.solid.unknown.x.array[: self.layout.owned]
-
-    def _hand_out_factors(self) -> Factors:
-        self._handed_out = Factors(self._ksp, self._matrix, self.layout)
+        self._assemble_tangent(self._matrix)
+        self._ksp.setOperators(self._matrix)
+        failure = ""
+        with self._options.apply():
+            try:
+                self._ksp.setUp()
+            except PETSc.Error as error:
+                failure = why_petsc_failed(error)
+                factors.reset()
+        self._handed_out = Factors(self._ksp, self._matrix, self.layout, failure)
         return self._handed_out
 
     def _take_factors_back(self) -> None:
@@ -262,6 +286,11 @@ class Newton:
         self._go_to(state)
         self._assemble_residual(self._r)
         return self.layout.read(self._r)
+
+    def slowed_residual(self, state: State) -> Array:
+        """Return the residual with the viscous force, if there is one at the moment."""
+        residual = self.residual(state)
+        return residual if self._viscosity is None else residual + self._viscosity.force(state)
 
     def residual_norm(self, state: State) -> float:
         """Return the norm of the residual of a state."""
@@ -293,20 +322,6 @@ class Newton:
             condition.set(self.solid.unknown.x.array)
         self.solid.unknown.x.scatter_forward()
 
-    def _go_to_vector(self, x: PETSc.Vec) -> None:
-        """Evaluate at what a vector holds, which PETSc may have locked."""
-        self.solid.unknown.x.array[: self.layout.owned] = x.array_r
-        self.solid.unknown.x.scatter_forward()
-
-    def _residual(self, snes: PETSc.SNES, x: PETSc.Vec, r: PETSc.Vec) -> None:
-        self._go_to_vector(x)
-        self._assemble_residual(r)
-        if self._viscosity is not None:
-            force = self._viscosity.force(State(self.solid.unknown.x.array))
-            r.array[:] += force[: self.layout.owned]
-        if self._signals.asked_for:
-            r.set(math.nan)  # ends the iteration
-
     def _assemble_residual(self, r: PETSc.Vec) -> None:
         with r.localForm() as local:
             local.set(0)
@@ -317,27 +332,42 @@ class Newton:
             dofs, owned = condition.dof_indices()
             r.array[dofs[:owned]] = 0.0
 
-    def _tangent(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
-        self._go_to_vector(x)
-        P.zeroEntries()
+    def _assemble_tangent(self, matrix: PETSc.Mat) -> None:
+        """Assemble the tangent, with that of the viscous force, where the solid is."""
+        matrix.zeroEntries()
         self.solid.tangent.move_linearisation_point()
         with self.stopwatch.time_assembly():
-            fem_petsc.assemble_matrix(P, self.solid.tangent.form, self._held)
-            P.assemble()
+            fem_petsc.assemble_matrix(matrix, self.solid.tangent.form, self._held)
+            matrix.assemble()
         self.stopwatch.count_factorisation()
         if self._viscosity is not None:
             same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
-            P.axpy(self._viscosity.k, self._viscosity.mass.petsc, same)
+            matrix.axpy(self._viscosity.k, self._viscosity.mass.petsc, same)
 
 
-def _in_words(reason: int) -> str:
-    """Say why an iteration ended."""
-    kinds = PETSc.SNES.ConvergedReason
-    words = {
-        RESIDUAL_IS_NO_NUMBER: "an element was turned inside out",
-        kinds.DIVERGED_DTOL: "the residual grew beyond all bounds",
-        kinds.DIVERGED_MAX_IT: "too many iterations",
-        kinds.DIVERGED_LINE_SEARCH: "no step of the line search lowers the residual",
-    }
-    names = {getattr(kinds, name): name for name in dir(kinds) if name.isupper()}
-    return words.get(reason, f"PETSc's reason {names.get(reason, reason)}")
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """A state of the iteration, its residual, and the norm of that."""
+
+    newton: Newton
+    state: State
+    residual: Array
+    norm: float
+
+    @classmethod
+    def begin(cls, newton: Newton, guess: State) -> "Iterate":
+        """Return the first one: the guess, its held dofs with their values."""
+        residual = newton.slowed_residual(guess)
+        held = State(newton.solid.unknown.x.array)
+        return cls(newton, held, residual, newton.layout.norm(residual))
+
+    def moved(self, step: Array, halvings: int) -> "Iterate | None":
+        """Return the state after a step, shortened until the residual is a number; None: never."""
+        for _ in range(halvings + 1):
+            state = self.state + step
+            residual = self.newton.slowed_residual(state)
+            norm = self.newton.layout.norm(residual)
+            if math.isfinite(norm):
+                return Iterate(self.newton, state, residual, norm)
+            step = step / 2
+        return None

@@ -39,6 +39,10 @@ class Stopwatch:
         """Note that a tangent is about to be factorised."""
         self._work = replace(self._work, factorisations=self._work.factorisations + 1)
 
+    def count_correction(self) -> None:
+        """Note a correction with a factor that is there."""
+        self._work = replace(self._work, corrections=self._work.corrections + 1)
+
     def restart(self) -> None:
         """Begin anew, from now on."""
         self._since, self._work = time.process_time(), Work()

@@ -43,9 +43,9 @@ def hasty(**changes):
 @pytest.mark.parametrize(
     ("options", "complaint"),
     [
-        ("-bilayer_snes_type nonsense", "nonsense"),
-        ("-bilayer_snes_tipe newtonls", "-bilayer_snes_tipe is not one of those used"),
-        ("-snes_monitor", "names that begin with -bilayer_"),
+        ("-bilayer_ksp_type nonsense", "nonsense"),
+        ("-bilayer_ksp_tipe preonly", "-bilayer_ksp_tipe is not one of those used"),
+        ("-ksp_view", "names that begin with -bilayer_"),
     ],
 )
 def test_wrong_options_are_input_errors_in_one_line(mesh, options, complaint):
