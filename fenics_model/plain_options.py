@@ -38,7 +38,11 @@ PLAIN_OPTIONS: dict[str, str] = {
          "ksp_converged_reason", "ksp_view"), _NOTHING,
     ),
 }  # fmt: skip
-"""The options by name, without the prefix, each with the pattern of its value."""
+"""The options by name, without the prefix, each with the pattern of its value.
+
+Those of SNES are in files of earlier versions. They are read; a run that is to use them says that
+it does not.
+"""
 
 
 def not_plain_option(text: str) -> str:
