@@ -7,12 +7,23 @@ from typing import ClassVar
 from bilayer.errors import InputError
 from bilayer.specimen.prestretch import BONDED_THICKNESS_RULES
 from bilayer.specimen.settings import BRANCH_CHOICES, setting
-from bilayer.validation import fraction, keep, not_negative, one_of, positive, whole
+from bilayer.validation import (
+    LARGEST,
+    fraction,
+    keep,
+    not_negative,
+    one_of,
+    positive,
+    whole,
+    within,
+)
 from dshell.energies.through_thickness import PROFILES
 
 METHOD_NAMES = ("static", "dynamic")
 """Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
 MOST_TIME_STEPS = 10_000_000
+MOST_ITERATIONS = 100_000
+"""In one load step; what takes more does not converge."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +71,12 @@ class ReleaseSettings:
         keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         _keep_times(self)
         keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")
-        keep(self, whole, "max_iterations", table="solver.", at_least=1)
+        keep(self, whole, "max_iterations", table="solver.", at_least=1, at_most=MOST_ITERATIONS)
         keep(self, whole, "coarse_triangles", table="solver.", at_least=0)
         keep(self, fraction, "tolerance", table="solver.")
-        keep(self, positive, "ramp", "longest_step", "smallest_step", table="solver.")
+        keep(self, within, "ramp", table="solver.", low=1e-4, high=LARGEST)
+        keep(self, within, "longest_step", table="solver.", low=1e-4, high=LARGEST)
+        keep(self, within, "smallest_step", table="solver.", low=1e-6, high=1.0)
 
 
 @dataclass(frozen=True)
@@ -115,7 +128,7 @@ class PaperSettings:
         keep(self, not_negative, "gravity", table="solver.", unit="m/s2")
         keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")
         keep(self, fraction, "tolerance", table="solver.")
-        keep(self, whole, "max_iterations", table="solver.", at_least=1)
+        keep(self, whole, "max_iterations", table="solver.", at_least=1, at_most=MOST_ITERATIONS)
 
     @property
     def steps(self) -> int:

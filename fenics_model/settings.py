@@ -5,12 +5,17 @@ from dataclasses import dataclass
 from bilayer.errors import InputError
 from bilayer.specimen.settings import BRANCH_CHOICES, setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
-from bilayer.validation import finite, fraction, keep, one_of, positive, whole
+from bilayer.validation import LARGEST, finite, fraction, keep, one_of, whole, within
 from fenics_model.plain_options import not_plain_option
 
 BYTES_PER_TRIANGLE = 300_000
 """Memory of the matrix and its factors, one element through each of two layers (measured: 225 kB
 per triangle at 2000 triangles; the factors grow a little faster than the mesh)."""
+MOST_ELEMENTS, MOST_STEPS = 100, 100_000
+HIGHEST_DEGREE = 20
+"""Of the quadrature: its points, and the time to compile the forms, grow with the third power."""
+SMALLEST_STEP = 1e-7
+"""Of the prestretch, beyond which a load path makes no way."""
 
 
 @dataclass(frozen=True)
@@ -65,13 +70,18 @@ class SolidSettings:
     )
 
     def __post_init__(self) -> None:
-        counts = ("substrate_elements", "kirigami_elements", "quadrature_degree",
-                  "target_iterations", "iteration_limit")  # fmt: skip
-        keep(self, whole, *counts, table="solver.", at_least=1)
+        elements, iterations = (
+            ("substrate_elements", "kirigami_elements"),
+            ("target_iterations", "iteration_limit"),
+        )
+        keep(self, whole, *elements, table="solver.", at_least=1, at_most=MOST_ELEMENTS)
+        keep(self, whole, *iterations, table="solver.", at_least=1, at_most=MOST_STEPS)
+        keep(self, whole, "quadrature_degree", table="solver.", at_least=1, at_most=HIGHEST_DEGREE)
         if self.elements is not None:
-            keep(self, whole, "elements", table="solver.", at_least=1)
-        keep(self, whole, "flow_steps", table="solver.", at_least=0)
-        keep(self, positive, "first_step", "smallest_step", "largest_step", table="solver.")
+            keep(self, whole, "elements", table="solver.", at_least=1, at_most=MOST_ELEMENTS)
+        keep(self, whole, "flow_steps", table="solver.", at_least=0, at_most=MOST_STEPS)
+        steps = ("first_step", "smallest_step", "largest_step")
+        keep(self, within, *steps, table="solver.", low=SMALLEST_STEP, high=LARGEST)
         keep(self, fraction, "tolerance", "path_tolerance", table="solver.")
         keep(self, finite, "imperfection", table="solver.")
         keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
 from bilayer.cli.verbs import VERBS
@@ -33,12 +33,22 @@ class Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:  # type: ignore[override]
         """Parse; for an option that is not known, the error names the nearest one."""
         known, rest = super().parse_known_args(args, namespace)
+        self._check_words(vars(known))
         unknown = [word for word in rest if word.startswith("-")]
         if unknown:
             options = list(self._option_string_actions)
             name = unknown[0].partition("=")[0]
             self.error(f"unknown option {name}{nearest(name, options)}")
         return known, rest
+
+    def _check_words(self, values: Mapping[str, Any]) -> None:
+        """End with an error if a word is empty, or holds what no name of a file can hold."""
+        for action in self._actions:
+            given = values.get(action.dest)
+            for word in given if isinstance(given, list) else [given]:
+                if isinstance(word, str) and (not word.strip() or "\0" in word):
+                    name = "/".join(action.option_strings) or action.metavar or action.dest
+                    self.error(f"argument {name}: {word!r}: expected a word, not an empty one")
 
     def _print_message(self, message: str, file: Any = None) -> None:
         """Print a help text, the version or an error; argparse itself loses it on a full disk."""

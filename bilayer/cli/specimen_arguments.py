@@ -13,6 +13,9 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.mesh.planar_files import read_planar_mesh
 from bilayer.results.files import open_result
 from bilayer.results.schema import result_mesh
+from bilayer.runtime.ranks import is_first_rank
+from bilayer.runtime.terminal import tell
+from bilayer.specimen.doubts import doubts
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
 
@@ -40,13 +43,17 @@ def add_case_arguments(verb: Parser) -> None:
 
 
 def read_specimen_argument(options: argparse.Namespace, overrides: list[str]) -> Specimen:
-    """Read the specimen of the command line, some of its values replaced."""
+    """Read the specimen of the command line, some of its values replaced; tell what is doubtful."""
     if options.mesh_size is not None:
         overrides = [*overrides, f"mesh.size={options.mesh_size}"]
     specimen = read_specimen(options.specimen, overrides)
-    if getattr(options, "prestretch", None) is None:
-        return specimen
-    return specimen.with_milestones([milestone_argument(word) for word in options.prestretch])
+    if getattr(options, "prestretch", None) is not None:
+        milestones = [milestone_argument(word) for word in options.prestretch]
+        specimen = specimen.with_milestones(milestones)
+    if is_first_rank():
+        for doubt in doubts(specimen):
+            tell(f"bilayer: warning: {doubt}")
+    return specimen
 
 
 def read_mesh_argument(options: argparse.Namespace, specimen: Specimen) -> PlanarMesh:

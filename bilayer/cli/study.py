@@ -57,7 +57,7 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     join_mpi()
-    plan = read_study(options.study, trust=options.trust)
+    plan = read_study(options.study, trust=options.trust, notice=_notice)
     jobs = available_cores() if options.jobs is None else _count("--jobs", options.jobs)
     ranks_per_case = _count("--ranks-per-case", options.ranks_per_case)
     world = world_of_ranks()

@@ -7,6 +7,7 @@ first point, triangle or edge that fails.
 
 import numpy as np
 import scipy
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from bilayer.errors import InputError
@@ -50,6 +51,7 @@ def check_sheet(points: NDArray[np.float64], triangles: Indices) -> None:
     _check_shapes(points, triangles)
     _check_edges(triangles)
     _check_one_piece(triangles)
+    _check_covers_once(points, triangles)
 
 
 def check_nodes(count: int, triangles: Indices) -> None:
@@ -126,6 +128,20 @@ def _check_one_piece(triangles: Indices) -> None:
         raise InputError(
             f"the mesh is in {pieces} pieces, {_named(triangles, apart)} shares no edge with that "
             f"of triangle 0: expected one"
+        )
+
+
+def _check_covers_once(points: NDArray[np.float64], triangles: Indices) -> None:
+    """No place of the plane lies in two triangles, as on a mesh that is wound around twice."""
+    corners = points[triangles]
+    tree = shapely.STRtree(shapely.polygons(corners))
+    place, holder = tree.query(shapely.points(corners.mean(axis=1)), predicate="within")
+    twice = np.flatnonzero(place != holder)
+    if len(twice):
+        one, other = place[twice[0]], holder[twice[0]]
+        raise InputError(
+            f"{_named(triangles, one)} lies on triangle {other}"
+            f"{_and_more(np.unique(place[twice]))}: expected a sheet that covers each place once"
         )
 
 

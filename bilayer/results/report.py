@@ -1,7 +1,5 @@
 """Results as text: the table of one run, and its provenance."""
 
-import tomllib
-
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -20,9 +18,11 @@ from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.runtime.terminal import one_line
+from bilayer.specimen.doubts import doubts
 from bilayer.specimen.layer import BondedLayer, Response
 from bilayer.specimen.materials import stability_warning
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.toml_text import parse_toml
 
 
 def result_table(result: xr.Dataset) -> str:
@@ -111,6 +111,7 @@ def describe_trust(result: xr.Dataset) -> str:
     sentences = [
         _describe_equilibrium(result),
         _describe_contact(result),
+        *(f"Doubtful: {doubt}." for doubt in doubts(result_specimen(result))),
         *thickness_warnings(result),
         *mesh_warnings(result),
         *law_warnings(result),
@@ -191,7 +192,7 @@ def mesh_warnings(result: xr.Dataset) -> list[str]:
 
 
 def _settings(result: xr.Dataset) -> dict[str, object]:
-    return tomllib.loads(result.attrs["settings"])
+    return parse_toml(result.attrs["settings"], "settings of the result")
 
 
 def _cuts(specimen: Specimen) -> str:

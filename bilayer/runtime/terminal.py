@@ -11,6 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
+LONGEST_LINE = 2000
+"""Letters of a line on stderr."""
 _KEPT = frozenset("\n\t")
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
 """Written out as in TOML, so that a specimen that is shown reads back the same."""
@@ -60,7 +62,14 @@ def say(text: object, end: str = "\n") -> None:
 def tell(text: object) -> None:
     """Write a line to stderr; what cannot be written there is lost and stops nothing."""
     with suppress(OSError, ValueError):
-        print(one_line(text), file=sys.stderr or io.StringIO(), flush=True)
+        print(_of_a_length(one_line(text)), file=sys.stderr or io.StringIO(), flush=True)
+
+
+def _of_a_length(line: str) -> str:
+    """Return a line, if it is very long without its middle: a whole file may stand in it."""
+    if len(line) <= LONGEST_LINE:
+        return line
+    return f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 2 :]}"
 
 
 def tell_lines(text: object) -> None:

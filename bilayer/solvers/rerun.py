@@ -7,7 +7,6 @@ was started from another result uses the default start: the file does not hold t
 """
 
 import shlex
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.registry import settings_class, solve, solver_named
 from bilayer.specimen.settings import check_plain, settings_from
+from bilayer.specimen.toml_text import parse_toml
 
 AGREEMENT = 1e-8
 """Largest difference of two positions that agree, relative to the outer radius."""
@@ -92,7 +92,7 @@ def result_settings(result: xr.Dataset) -> Any:
         No solver of ours made it, or its settings are unknown to this version.
     """
     kind: Any = settings_class(result.attrs["solver"], result.attrs["model"])
-    return settings_from(kind, tomllib.loads(result.attrs["settings"]))
+    return settings_from(kind, parse_toml(result.attrs["settings"], "settings of the result"))
 
 
 def was_started_from_a_result(result: xr.Dataset) -> bool:
@@ -120,7 +120,7 @@ def solve_command(result: xr.Dataset, file: str) -> str:
     solver, model = result.attrs["solver"], result.attrs["model"]
     defaults = vars(settings_class(solver, model)())
     words = ["bilayer", "solve", "again.toml", "--solver", solver, "--model", model]
-    for name, value in tomllib.loads(result.attrs["settings"]).items():
+    for name, value in parse_toml(result.attrs["settings"], "settings of the result").items():
         if value != defaults.get(name):
             words += ["--set", f"solver.{name}={_word(value)}"]
     if result.attrs.get("start") == FLAT_START != solver_named(solver).default_start:

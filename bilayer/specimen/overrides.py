@@ -10,6 +10,7 @@ from typing import Any
 
 from bilayer.errors import InputError
 from bilayer.specimen.tables import check_keys
+from bilayer.specimen.toml_text import parse_toml
 from bilayer.validation import nearest
 
 
@@ -53,8 +54,10 @@ def with_overrides(
 def toml_value(text: str) -> Any:
     """Return `text` read as one TOML value, or as a plain string if it is none."""
     try:
-        table = tomllib.loads(f"value = {text.strip()}")
-    except tomllib.TOMLDecodeError:
+        table = parse_toml(f"value = {text.strip()}", f"value {text.strip()[:40]!r}")
+    except InputError as error:
+        if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
+            raise
         return text.strip()
     return table["value"] if list(table) == ["value"] else text
 

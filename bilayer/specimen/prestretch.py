@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bilayer.errors import InputError
-from bilayer.validation import keep, listed, one_of, positive
+from bilayer.validation import keep, listed, one_of, positive, shown
 
 StretchPair = tuple[float, float]
 """(lambda_x, lambda_y)."""
@@ -14,6 +14,7 @@ UNSTRETCHED: StretchPair = (1.0, 1.0)
 BONDED_THICKNESS_RULES = ("natural", "constant")
 SMALLEST_STRETCH, LARGEST_STRETCH = 0.1, 10.0
 MILESTONES_FIELD = "prestretch.milestones"
+MOST_MILESTONES = 10_000
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,13 @@ class Prestretch:
     thickness: str = "natural"
 
     def __post_init__(self) -> None:
-        pairs = tuple(stretch_pair(MILESTONES_FIELD, item) for item in _numbers(self.milestones))
-        if not pairs:
-            raise InputError(f"{MILESTONES_FIELD} = []: expected at least one")
+        given = _numbers(self.milestones)
+        if not 1 <= len(given) <= MOST_MILESTONES:
+            raise InputError(
+                f"{MILESTONES_FIELD} = {shown(given)}: has {len(given)}, expected at least one "
+                f"and at most {MOST_MILESTONES}"
+            )
+        pairs = tuple(stretch_pair(MILESTONES_FIELD, item) for item in given)
         object.__setattr__(self, "milestones", pairs)
         keep(self, one_of, "thickness", table="prestretch.", choices=BONDED_THICKNESS_RULES)
 
@@ -57,7 +62,9 @@ def stretch_pair(field: str, value: Any) -> StretchPair:
     if isinstance(value, Iterable) and not isinstance(value, str):
         pair = list(value)
         if len(pair) != 2:
-            raise InputError(f"{field} = {pair}: expected one number or [lambda_x, lambda_y]")
+            raise InputError(
+                f"{field} = {shown(pair)}: expected one number or [lambda_x, lambda_y]"
+            )
         return _stretch(field, pair[0]), _stretch(field, pair[1])
     return _stretch(field, value), _stretch(field, value)
 
@@ -73,7 +80,7 @@ def _stretch(field: str, value: Any) -> float:
     number = positive(field, value)
     if not SMALLEST_STRETCH <= number <= LARGEST_STRETCH:
         raise InputError(
-            f"{field} = {value}: expected stretches from {SMALLEST_STRETCH:g} to "
+            f"{field} = {shown(value)}: expected stretches from {SMALLEST_STRETCH:g} to "
             f"{LARGEST_STRETCH:g}"
         )
     return number

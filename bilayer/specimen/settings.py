@@ -13,7 +13,7 @@ import tomli_w
 
 from bilayer.errors import InputError
 from bilayer.specimen.overrides import toml_value
-from bilayer.validation import nearest
+from bilayer.validation import finite, nearest, shown
 
 Settings = TypeVar("Settings")
 
@@ -116,15 +116,15 @@ def _converted(name: str, value: Any, default: Any) -> Any:
     """Return `value` in the type of the setting's default."""
     read = toml_value(value) if isinstance(value, str) and not isinstance(default, str) else value
     if isinstance(default, bool) != isinstance(read, bool):
-        raise InputError(f"solver.{name} = {value}: expected {_kind_name(default)}")
+        raise InputError(f"solver.{name} = {shown(value)}: expected {_kind_name(default)}")
     if isinstance(read, Real) and not isinstance(default, bool):
-        number = float(read)
+        number = finite(f"solver.{name}", read)
         if isinstance(default, float):
             return number
         if isinstance(default, int) and number.is_integer():
             return int(number)
     if default is not None and not isinstance(read, type(default)):
-        raise InputError(f"solver.{name} = {value}: expected {_kind_name(default)}")
+        raise InputError(f"solver.{name} = {shown(value)}: expected {_kind_name(default)}")
     return read
 
 

@@ -5,7 +5,6 @@ A file has one of two forms: `[cut] [substrate] [kirigami]`, short, for the disc
 public contract of the project; `template()` is the commented example of the short form.
 """
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -26,6 +25,7 @@ from bilayer.specimen.short_form import (
 )
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.tables import as_table
+from bilayer.specimen.toml_text import parse_toml
 from bilayer.specimen.units import UNITS
 from bilayer.validation import nearest
 
@@ -87,7 +87,18 @@ def parse_specimen_file(
             f"metres: is that meant? expected from {2 * smallest:g} to {2 * largest:g} m, or a "
             'unit with each length, as in "40 mm"'
         )
+    _check_thickness(specimen)
     return specimen
+
+
+def _check_thickness(specimen: Specimen) -> None:
+    """Raise InputError if a layer is thicker than the sheet is wide: a forgotten unit, mostly."""
+    for layer in specimen.layers:
+        if layer.thickness > specimen.characteristic_length:
+            raise InputError(
+                f"{layer.name}.thickness = {layer.thickness:g} m: expected at most "
+                f"{specimen.length_text}; a bare number is in metres"
+            )
 
 
 def parse_specimen(
@@ -121,10 +132,7 @@ def specimen_to_toml(specimen: Specimen) -> str:
 
 
 def _tables(text: str, overrides: Iterable[str], source: str) -> dict[str, Any]:
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source}: not a valid TOML file ({error})") from error
+    data = parse_toml(text, source)
     forms = (short_tables(), LONG_TABLES)
     known = {
         table: dict.fromkeys(key for form in forms for key in form.get(table, ()))

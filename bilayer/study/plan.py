@@ -6,8 +6,9 @@ prestretch alone are one case: its milestones lie on one load path.
 """
 
 import json
-import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+import math
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -21,12 +22,21 @@ from bilayer.solvers.registry import SOLVERS, settings_class, solver_named
 from bilayer.specimen.prestretch import MILESTONES_FIELD
 from bilayer.specimen.settings import check_plain, settings_from
 from bilayer.specimen.toml import parse_specimen_file
+from bilayer.specimen.toml_text import parse_toml
 from bilayer.study.case import Case
-from bilayer.study.variation import Row, product_rows, sampled_rows, zipped_rows
-from bilayer.validation import nearest, one_of
+from bilayer.study.variation import Row, check_count, product_rows, sampled_rows, zipped_rows
+from bilayer.validation import nearest, one_of, shown
 
 KEYS = ("specimen", "solver", "settings", "vary", "zip", "sample")
 SOLVER_FIELD = "solver"
+SECONDS_BETWEEN_NOTICES = 5.0
+
+Notice = Callable[[str], None]
+"""Takes a line of text for the user."""
+
+
+def _keep_quiet(line: str) -> None:
+    """Tell nobody."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +55,7 @@ class StudyPlan:
     cases: tuple[Case, ...]
 
 
-def read_study(path: str | Path, *, trust: bool = False) -> StudyPlan:
+def read_study(path: str | Path, *, trust: bool = False, notice: Notice = _keep_quiet) -> StudyPlan:
     """Read a study file; every case is checked.
 
     Parameters
@@ -54,6 +64,8 @@ def read_study(path: str | Path, *, trust: bool = False) -> StudyPlan:
         The TOML file; the specimen's path in it is relative to its folder.
     trust : bool
         Allow settings that could run code or write files.
+    notice : callable
+        Called with a line of text from time to time, if there are many cases to check.
 
     Raises
     ------
@@ -64,14 +76,16 @@ def read_study(path: str | Path, *, trust: bool = False) -> StudyPlan:
     tables = _tables(Path(path))
     specimen_file = tables.get("specimen")
     if not isinstance(specimen_file, str):
-        raise InputError(f"study file {path}: specimen = {specimen_file!r}: expected a file name")
+        raise InputError(
+            f"study file {path}: specimen = {shown(specimen_file)}: expected a file name"
+        )
     specimen_path = Path(path).parent / specimen_file
     specimen_text = read_text(specimen_path, "specimen file")
     solvers = _solvers(tables.get("solver"))
     settings = _settings_tables(tables.get("settings", {}), solvers)
     varied = _varied_rows(tables)
     _check_fields(varied[0], solvers)
-    plan = make_plan(specimen_text, solvers, settings, varied, specimen_path.parent)
+    plan = make_plan(specimen_text, solvers, settings, varied, specimen_path.parent, notice)
     if not trust:
         for case in plan.cases:
             check_plain(case.settings)
@@ -84,6 +98,7 @@ def make_plan(
     settings: Mapping[str, Mapping[str, Any]],
     rows: Sequence[Row],
     folder: Path | None = None,
+    notice: Notice = _keep_quiet,
 ) -> StudyPlan:
     """Return the plan of some rows of values, each with every solver.
 
@@ -99,12 +114,17 @@ def make_plan(
         Values by dotted name, the same names in each.
     folder : Path, optional
         Where the drawings lie that the specimen names.
+    notice : callable
+        See `read_study`.
     """
     cases: dict[str, Case] = {}
     complaints = []
-    for number, (solver, (values, milestones)) in enumerate(
-        product(solvers, _load_paths(rows)), start=1
-    ):
+    wanted = list(product(solvers, _load_paths(rows)))
+    told = time.monotonic()
+    for number, (solver, (values, milestones)) in enumerate(wanted, start=1):
+        if time.monotonic() - told > SECONDS_BETWEEN_NOTICES:
+            told = time.monotonic()
+            notice(f"{number} of {len(wanted)} cases checked")
         own = {name: value for name, value in values.items() if _concerns(name, solver)}
         try:
             chosen = settings.get(solver, {})
@@ -123,10 +143,7 @@ def make_plan(
 
 
 def _tables(path: Path) -> dict[str, Any]:
-    try:
-        tables = tomllib.loads(read_text(path, "study file"))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"study file {path}: not a valid TOML file ({error})") from error
+    tables = parse_toml(read_text(path, "study file"), f"study file {path}")
     for key in tables:
         if key not in KEYS:
             expected = f"expected one of {', '.join(KEYS)}"
@@ -134,7 +151,7 @@ def _tables(path: Path) -> dict[str, Any]:
     for key in ("settings", "vary", "zip", "sample"):
         if not isinstance(tables.get(key, {}), dict):
             raise InputError(
-                f"study file {path}: {key} = {tables[key]!r}: expected a table [{key}]"
+                f"study file {path}: {key} = {shown(tables[key])}: expected a table [{key}]"
             )
     return tables
 
@@ -143,7 +160,7 @@ def _solvers(given: Any) -> list[str]:
     names = given if isinstance(given, list) else [given]
     if not names:
         raise InputError("solver = []: expected at least one")
-    return [one_of("solver", name, SOLVERS) for name in dict.fromkeys(names)]
+    return list(dict.fromkeys(one_of("solver", name, SOLVERS) for name in names))
 
 
 def _settings_tables(given: Mapping[str, Any], solvers: Iterable[str]) -> dict[str, Any]:
@@ -160,6 +177,7 @@ def _varied_rows(tables: Mapping[str, Any]) -> list[Row]:
         zipped_rows(tables.get("zip", {})),
         sampled_rows(tables.get("sample", {})),
     ]
+    check_count(math.prod(map(len, parts)))
     names = [name for rows in parts for name in rows[0]]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:

@@ -4,6 +4,7 @@
 a Latin hypercube; together they make the product of the three.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
@@ -11,13 +12,25 @@ from typing import Any
 import numpy as np
 
 from bilayer.errors import InputError
-from bilayer.validation import finite, nearest, whole
+from bilayer.validation import finite, nearest, shown, whole
 
 Row = dict[str, Any]
 """Value by dotted name, as {"cut.strips": 5, "settings.dshell.model": "morley"}."""
 
+MOST_CASES = 10_000
+"""All of them are checked before the first one is computed, which takes a few
+milliseconds for each."""
 DIGITS = 12
 """Significant digits of computed values: a range and a list of the same numbers are the same."""
+
+
+def check_count(count: int) -> None:
+    """Raise InputError if a study would have more cases than are planned at once."""
+    if count > MOST_CASES:
+        raise InputError(
+            f"the study would have {shown(count)} cases: expected at most {MOST_CASES}, or "
+            "several studies"
+        )
 
 
 def product_rows(table: Mapping[str, Any]) -> list[Row]:
@@ -29,6 +42,7 @@ def product_rows(table: Mapping[str, Any]) -> list[Row]:
         For each dotted name a list of values, or {start, stop, num} for evenly spaced ones.
     """
     columns = [_values("vary", name, values) for name, values in table.items()]
+    check_count(math.prod(map(len, columns)))
     return [dict(zip(table, values, strict=True)) for values in product(*columns)]
 
 
@@ -60,8 +74,8 @@ def sampled_rows(table: Mapping[str, Any]) -> list[Row]:
     for name in ("n", "seed"):
         if name not in table:
             raise InputError(f"sample.{name}: missing, expected a whole number in table [sample]")
-    count = whole("sample.n", table["n"], at_least=1)
-    seed = whole("sample.seed", table["seed"], at_least=0)
+    count = whole("sample.n", table["n"], at_least=1, at_most=MOST_CASES)
+    seed = whole("sample.seed", table["seed"], at_least=0, at_most=2**53)
     if not bounds:
         raise InputError("[sample]: expected at least one field with {low, high}")
     limits = [_limits(name, bound) for name, bound in bounds.items()]
@@ -75,14 +89,25 @@ def _values(table: str, name: str, given: Any) -> Sequence[Any]:
         return _range(f"{table}.{name}", given)
     if not isinstance(given, list) or not given:
         raise InputError(
-            f"{table}.{name} = {given!r}: expected a list of values or {{start, stop, num}}"
+            f"{table}.{name} = {shown(given)}: expected a list of values or {{start, stop, num}}"
         )
+    for value in given:
+        _check_plain(f"{table}.{name}", value)
     return given
+
+
+def _check_plain(field: str, value: Any) -> None:
+    """Raise InputError unless a value is a number, a text, or a list of such."""
+    if isinstance(value, list):
+        for part in value:
+            _check_plain(field, part)
+    elif not isinstance(value, (bool, int, float, str)):
+        raise InputError(f"{field} = {shown(value)}: expected numbers, texts or lists of them")
 
 
 def _range(field: str, given: Mapping[str, Any]) -> list[float] | list[int]:
     start, stop, num = _entries(field, given, ("start", "stop", "num"))
-    count = whole(f"{field}.num", num, at_least=1)
+    count = whole(f"{field}.num", num, at_least=1, at_most=MOST_CASES)
     values = np.linspace(finite(f"{field}.start", start), finite(f"{field}.stop", stop), count)
     between_whole_numbers = isinstance(start, int) and isinstance(stop, int)
     if between_whole_numbers and np.array_equal(values, np.round(values)):
@@ -93,7 +118,7 @@ def _range(field: str, given: Mapping[str, Any]) -> list[float] | list[int]:
 def _limits(name: str, given: Any) -> tuple[float, float]:
     field = f"sample.{name}"
     if not isinstance(given, Mapping):
-        raise InputError(f"{field} = {given!r}: expected {{low, high}}")
+        raise InputError(f"{field} = {shown(given)}: expected {{low, high}}")
     low, high = _entries(field, given, ("low", "high"))
     if finite(f"{field}.low", low) >= finite(f"{field}.high", high):
         raise InputError(f"{field} = {{low = {low}, high = {high}}}: expected low below high")

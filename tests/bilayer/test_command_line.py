@@ -120,7 +120,7 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ([*SHELL, "-o", "a.nc", "--set", "solver.damping_rat=1"], "did you mean 'damping_rate'"),
         (
             [*SHELL, "-o", "a.nc", "--set", "solver.damping_rate=x"],
-            "solver.damping_rate = x: expected a num",
+            "solver.damping_rate = 'x': expected a num",
         ),
         (
             [*SHELL, "-o", "a.nc", "--set", "kirigami.side=below"],
@@ -129,7 +129,7 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ([*SHELL, "-o", "a.nc", "--set", "solver.tolerance=1"], "tolerance = 1.0: .* less than 1"),
         (
             [*MORLEY, "-o", "a.nc", "--set", "solver.smallest_step=-1"],
-            "solver.smallest_step = -1.0: expected a number greater than 0",
+            "solver.smallest_step = -1.0: expected a number from 1e-06 to 1",
         ),
         ([*MORLEY, "-o", "a.nc", "--set", "solver.tolerance=nan"], "expected a finite number"),
         (
@@ -139,7 +139,7 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ([*SHELL, "-o", "a.nc", "--model", "papr"], "model = 'papr': .*did you mean 'paper'"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "-1"], "expected a number greater than 0"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "nan"], "expected a finite number"),
-        ([*SHELL, "-o", "a.nc", "--prestretch", "1e300"], "expected stretches from 0.1 to 10"),
+        ([*SHELL, "-o", "a.nc", "--prestretch", "1e20"], "expected stretches from 0.1 to 10"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1.06] #"], "expected a number, or two as LX,LY"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1,2,3"], "one number or"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "1,06"], "expected a decimal point"),

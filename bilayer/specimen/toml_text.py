@@ -1,0 +1,68 @@
+"""TOML text as tables, whatever stands in it: what the library cannot read is an InputError.
+
+Every text of a user's file or option goes through here.
+"""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from bilayer.errors import InputError
+
+DEEPEST = 12
+"""Tables and lists within each other; the polygons of a pattern take six."""
+LONGEST = 20_000_000
+"""Letters; the outline of a scanned drawing takes a few hundred thousand."""
+_PART = r"(?<![\w\"'-])[\"']?[\w-]{1,200}[\"']?[ \t]*\."
+_LONG_NAME = re.compile(rf"(?:{_PART}[ \t]*){{{2 * DEEPEST}}}")
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """Return the tables of a TOML text.
+
+    Parameters
+    ----------
+    text : str
+        What was written.
+    source : str
+        Where, for the message.
+
+    Raises
+    ------
+    InputError
+        It is no TOML, too long, nested too deeply, or holds a number of thousands of digits.
+    """
+    if len(text) > LONGEST:
+        raise InputError(
+            f"{source}: has {len(text)} letters, expected a TOML file of at most {LONGEST}"
+        )
+    if _LONG_NAME.search(text):  # its library takes the square of the number of parts
+        raise InputError(f"{source}: a name has more than {2 * DEEPEST} parts, {_EXPECTED}")
+    try:
+        tables = tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{source}: {_TOO_DEEP}") from None
+    except ValueError as error:  # not TOML, or a number that Python does not take
+        raise InputError(f"{source}: not a valid TOML file ({error})") from error
+    _check_depth(tables, source)
+    return tables
+
+
+_EXPECTED = f"expected at most {DEEPEST} tables and lists within each other"
+_TOO_DEEP = f"is nested too deeply, {_EXPECTED}"
+
+
+def _check_depth(tables: Any, source: str) -> None:
+    """Raise InputError if tables and lists are nested too deeply for those who go through them."""
+    level = [tables]
+    for _ in range(DEEPEST):
+        level = [part for holder in level for part in _parts(holder)]
+        if not level:
+            return
+    raise InputError(f"{source}: {_TOO_DEEP}")
+
+
+def _parts(holder: Any) -> list[Any]:
+    values = holder.values() if isinstance(holder, Mapping) else holder
+    return [value for value in values if isinstance(value, (Mapping, list))]
