@@ -89,6 +89,54 @@ def floor_of(module: str) -> int:
     return next(k for k, floor in enumerate(FLOORS[package]) if part in floor)
 
 
+READS = {
+    "open", "read_text", "read_bytes", "loadtxt", "genfromtxt", "fromfile", "read_csv",
+    "read_table", "read_excel", "open_dataset", "open_mfdataset", "Dataset", "readfile", "imread",
+    "load_mesh",
+}  # fmt: skip
+"""Names of functions that open a file which they are given by its path."""
+OPENERS = {
+    "bilayer.runtime.input_file": "the gate itself",
+    "bilayer.runtime.terminal": "/dev/null",
+    "bilayer.runtime.child_process": "/dev/null",
+    "bilayer.runtime.version": "of the installed package",
+    "bilayer.specimen.toml": "of the installed package",
+    "bilayer.results.netcdf": "behind the gate",
+    "bilayer.results.files": "writes",
+    "bilayer.mesh.files": "behind the gate, in a child process",
+    "bilayer.drawings.dxf": "behind the gate, in a child process",
+    "bilayer.drawings.svg": "behind the gate, in a child process",
+    "bilayer.drawings.image": "behind the gate, in a child process",
+    "bilayer.study.folder": "its log and locks, whose kind is checked before",
+}
+"""The modules that call one, and why they may."""
+
+
+def opening_calls(file: Path) -> set[str]:
+    """The names in a module that open files; `xr.Dataset(...)` opens none."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    calls = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    methods = {
+        called.attr
+        for called in calls
+        if isinstance(called, ast.Attribute)
+        and not (isinstance(called.value, ast.Name) and called.value.id in ("xr", "os"))
+    }
+    functions = {called.id for called in calls if isinstance(called, ast.Name)}
+    return (methods & READS) | (functions & {"open"})
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_files_are_opened_behind_one_gate(package):
+    """A pipe, a device or an address is refused by `bilayer.runtime.input_file` alone."""
+    beside = {}
+    for module in modules(package):
+        found = opening_calls(ROOT.joinpath(*module.split(".")).with_suffix(".py"))
+        if found and module not in OPENERS:
+            beside[module] = found
+    assert beside == {}
+
+
 @pytest.mark.parametrize("package", FLOORS)
 def test_no_import_goes_up(package):
     upward = [

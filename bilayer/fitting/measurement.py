@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.runtime.input_file import read_text
 from bilayer.specimen.materials.stability import LOADINGS
 from bilayer.specimen.units import in_si
 from bilayer.validation import nearest, one_of
@@ -20,6 +21,8 @@ STRETCH_WORDS = (r"stretch(?!ed)", r"\blambda\b", "λ")
 STRAIN_WORDS = (r"strain", r"\bepsilon\b", "ε")
 STRESS_WORDS = (r"stress", r"\bsigma\b", "σ")
 TRUE_WORDS = (r"true", r"cauchy")
+KIND_WORDS = (*TRUE_WORDS, r"nominal", r"eng", r"first", r"piola", r"^\s*-?1?\s*$")
+"""What brackets in a name may hold instead of a unit."""
 
 
 @dataclass(frozen=True)
@@ -102,13 +105,7 @@ def read_measurement(
 
 def _table(path: Path) -> tuple[list[str], NDArray[np.float64]]:
     """Return the names of the columns, and the numbers, shape (rows, columns)."""
-    try:
-        if path.is_file() and path.stat().st_size > MOST_BYTES:
-            raise InputError(f"{path}: has more than {MOST_BYTES:.0e} bytes, expected a table")
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text file"
-        raise InputError(f"{path}: cannot be read ({reason})") from error
+    text = read_text(path, "table", largest=MOST_BYTES)
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     separator = _separator(lines[0]) if lines else ","
     if separator == " ":
@@ -173,6 +170,12 @@ def _unit_of(name: str) -> float:
     """Return the unit at the end of a stress' name, Pa."""
     unit = re.search(r"(?:[_\s(\[/]|^)([kMG]?Pa|psi|bar|N/mm(?:\^?2|²))[)\]]?\s*$", name)
     if unit is None:
+        other = re.search(r"[(\[]([^)\]]*)[)\]]\s*$", name)
+        if other is not None and not _matches(other[1], KIND_WORDS):
+            raise InputError(
+                f"column {name!r}: the unit {other[1]!r}, expected Pa, kPa, MPa, GPa, psi, bar or "
+                "N/mm^2"
+            )
         return 1.0
     written = unit[1].replace("²", "^2")
     return float(in_si("stress", {"unit": f"1 {written}"}, {"unit": "Pa"})["unit"])

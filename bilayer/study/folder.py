@@ -193,12 +193,18 @@ class StudyFolder:
     def begun_without_end(self) -> set[str]:
         """Return the cases that some process began and did not end: it was killed, or crashed."""
         last_event: dict[str, str] = {}
-        if self.log_file.exists():
-            for line in self.log_file.read_text(encoding="utf-8", errors="replace").splitlines():
-                words = line.split("\t")
-                if len(words) > 2:
-                    last_event[words[2]] = words[1]
+        for line in self._log_lines():
+            words = line.split("\t")
+            if len(words) > 2:
+                last_event[words[2]] = words[1]
         return {identity for identity, event in last_event.items() if event == LOG_BEGUN}
+
+    def _log_lines(self) -> list[str]:
+        """Return the lines of the log, none if it cannot be read."""
+        try:
+            return read_text(self.log_file, "study log", encoding="latin-1").splitlines()
+        except InputError:
+            return []
 
     def keep_result(self, case: Case, result: xr.Dataset, seconds: float) -> None:
         """Write the result of a case, whole or not at all, and log it.

@@ -167,6 +167,8 @@ def test_the_verb(tmp_path, capsys):
     [
         ([], "expected at least one file"),
         (["none.csv"], "none.csv: cannot be read"),
+        (["zero.csv"], "zero.csv: cannot be read (is a device"),
+        (["kgf.csv"], "column 'stress (kgf)': the unit 'kgf', expected Pa"),
         (["vhb.csv", "--up-to", "1.05"], "expected at least 4 points, there are 2"),
         (["vhb.csv", "--poisson-ratio", "0.6"], "poisson_ratio = 0.6"),
         (["vhb.csv", "--stress-column", "stres"], "column 'stres' is not there"),
@@ -176,5 +178,7 @@ def test_the_verb(tmp_path, capsys):
 def test_wrong_words_are_told(tmp_path, monkeypatch, capsys, words, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "vhb.csv").write_text(VHB)
+    (tmp_path / "kgf.csv").write_text("stretch,stress (kgf)\n1.1,2\n1.2,3\n")
+    (tmp_path / "zero.csv").symlink_to("/dev/zero")
     assert main(["fit", *words]) == 2
     assert message in capsys.readouterr().err
