@@ -19,6 +19,7 @@ from bilayer.validation import (
 )
 from dshell.energies.through_thickness import PROFILES
 
+CONTACT_CHOICES = ("none", "barrier")
 METHOD_NAMES = ("static", "dynamic")
 """Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
 MOST_TIME_STEPS = 10_000_000
@@ -66,8 +67,26 @@ class ReleaseSettings:
         "('other'), or stay on the unstable one ('unstable')",
     )
 
+    contact: str = setting(
+        "none",
+        "'barrier': the sheet does not pass through itself (frictionless contact; needs ipctk); "
+        "'none': it may, and shapes that do are flagged",
+    )
+    contact_range: float = setting(
+        0.1,
+        "barrier: distance from which on nothing acts, as a fraction of the thickness of all "
+        "layers; less if the flat mesh has smaller distances [1]",
+    )
+
     def __post_init__(self) -> None:
         keep(self, one_of, "method", table="solver.", choices=METHOD_NAMES)
+        keep(self, one_of, "contact", table="solver.", choices=CONTACT_CHOICES)
+        keep(self, positive, "contact_range", table="solver.")
+        if self.contact == "barrier" and self.method == "dynamic":
+            raise InputError(
+                "solver.contact = 'barrier': expected solver.method = 'static', got 'dynamic', "
+                "which does not model contact"
+            )
         keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         _keep_times(self)
         keep(self, not_negative, "damping_rate", table="solver.", unit="1/s")

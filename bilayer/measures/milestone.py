@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.contact.self_contact import BondedBody, self_contact_gap
+from bilayer.contact.self_contact import self_contact_gap
+from bilayer.contact.skin import BondedBody
 from bilayer.measures.shape import ShapeMeasures, measure_shape
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen

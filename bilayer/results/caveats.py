@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from bilayer.geometry.surface import Surface
 from bilayer.geometry.turns import turns_over_edges
+from bilayer.results.schema import CONTACT_CROSSES
 from bilayer.specimen.specimen import Specimen
 
 THICKEST_SHELL = 0.1
@@ -35,13 +36,18 @@ def is_unstable(result: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def touches_itself(result: xr.Dataset) -> NDArray[np.bool_]:
-    """Return for each milestone whether the body touches itself: contact is found, not resisted.
+    """Return for each milestone whether the body touches itself and nothing resists it.
 
-    False if it is not known, as in files older than the measure.
+    False if it is not known, as in files older than the measure. If contact was modelled, a body
+    that touches itself is as it should be; one that passes through itself all the same is not.
     """
-    if "self_contact_gap" not in result:
-        return np.zeros(result["converged"].shape, dtype=bool)
-    return np.asarray(result["self_contact_gap"].values == 0)
+    touches = np.zeros(result["converged"].shape, dtype=bool)
+    if "self_contact_gap" in result:
+        touches = result["self_contact_gap"].values == 0
+    if CONTACT_CROSSES in result:
+        crosses = result[CONTACT_CROSSES].values
+        touches = np.where(np.isnan(crosses), touches, crosses == 1)
+    return np.asarray(touches)
 
 
 def caveats(result: xr.Dataset) -> list[str]:

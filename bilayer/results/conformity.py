@@ -17,6 +17,7 @@ from bilayer.errors import InputError
 from bilayer.results.milestones import along_milestones
 from bilayer.results.netcdf import StoredGroup
 from bilayer.results.schema import (
+    CONTACT_CROSSES,
     FORMAT,
     NOT_MEASURED,
     REQUIRED,
@@ -55,7 +56,8 @@ def _layouts() -> dict[str, Layout]:
             "prestretch", "prestretch_x", "prestretch_y", "quality", "sphere_radius",
             "sphere_rmse", "hemisphere_distance", "height", "residual", "wall_time",
             "self_contact_gap", "last_prestretch", "assembly_time", "factorisation_time",
-            "cpu_time", "dissipated_energy",
+            "cpu_time", "dissipated_energy", "contact_gap", "contact_force", "contact_pairs",
+            CONTACT_CROSSES,
         ),
         Layout(WHOLE, by_milestone): (
             "iterations", "load_steps", "unstable_modes", "converged", "factorisations",
@@ -64,6 +66,7 @@ def _layouts() -> dict[str, Layout]:
         Layout(NUMBER, ("prestretch", "xyz")): ("span",),
         Layout(NUMBER, ("prestretch", "node", "xyz")): ("position", "last_position"),
         Layout(NUMBER, ("prestretch", "volume_node", "xyz")): ("volume_position",),
+        Layout(NUMBER, ("prestretch", "face")): ("contact_pressure",),
         Layout(NUMBER, ("prestretch", "term")): ("energy",),
         Layout(TEXT, ("term",)): ("term",),
         Layout(TEXT, ("xyz",)): ("xyz",),

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bilayer.contact.package import HOW_TO_INSTALL, PACKAGE
 from bilayer.mesh.agreement import layers_defined_by
 from bilayer.results.caveats import (
     SHARPEST_TURN,
@@ -15,7 +16,7 @@ from bilayer.results.caveats import (
 )
 from bilayer.results.effort import effort_lines
 from bilayer.results.milestones import along_milestones
-from bilayer.results.schema import NOT_MEASURED, result_mesh, result_specimen
+from bilayer.results.schema import CONTACT_CROSSES, NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.doubts import doubts
@@ -91,7 +92,11 @@ def contact_words(result: xr.Dataset) -> list[str]:
     """
     if "self_contact_gap" not in result:
         return ["?"] * result.sizes["prestretch"]
-    return [_contact_word(gap) for gap in result["self_contact_gap"].values]
+    gaps = result["self_contact_gap"].values
+    if CONTACT_CROSSES in result:  # the barrier's own gap, if it acts
+        gaps = np.where(np.isfinite(result["contact_gap"].values), result["contact_gap"], gaps)
+        gaps = np.where(result[CONTACT_CROSSES].values == 1, 0.0, gaps)
+    return [_contact_word(gap) for gap in gaps]
 
 
 def _contact_word(gap: float) -> str:
@@ -150,18 +155,43 @@ def _describe_contact(result: xr.Dataset) -> str:
     """Return the milestones at which the body touches itself, and the first contact, as a text."""
     if "self_contact_gap" not in result:
         return "Self-contact was not looked for when this file was made."
+    names = [stretch_text(pair) for pair in stretches(result)]
+    if CONTACT_CROSSES in result:
+        return _describe_modelled_contact(result, names)
     gaps = result["self_contact_gap"].values
     touching = np.flatnonzero(gaps == 0)
     if len(touching) == 0:
         return "The body does not touch itself."
-    names = [stretch_text(pair) for pair in stretches(result)]
     first = touching[0]
     free = np.flatnonzero(gaps[:first] > 0)
     between = f"between {names[free[-1]]} and {names[first]}" if len(free) else f"by {names[first]}"
     return (
         f"The body TOUCHES ITSELF at {', '.join(names[k] for k in touching)}, first {between}; "
-        "contact is not modelled, so those shapes pass through themselves."
+        f"contact is not modelled, so those shapes pass through themselves.{_missing(result)}"
     )
+
+
+def _describe_modelled_contact(result: xr.Dataset, names: list[str]) -> str:
+    pressed, crossing = result["contact_pairs"].values > 0, result[CONTACT_CROSSES].values == 1
+    if crossing.any():
+        where = ", ".join(names[k] for k in np.flatnonzero(crossing))
+        return f"The body PASSES THROUGH ITSELF at {where}, although contact is modelled."
+    if not pressed.any():
+        return "The body does not touch itself."
+    where = ", ".join(names[k] for k in np.flatnonzero(pressed))
+    force, gap = result["contact_force"].max(), result["contact_gap"].min()
+    return (
+        f"The body presses on itself at {where}, with up to {1e3 * float(force):.3g} mN, and "
+        f"nowhere passes through itself: contact is modelled, without friction, at gaps of "
+        f"{1e3 * float(gap):.2g} mm and more."
+    )
+
+
+def _missing(result: xr.Dataset) -> str:
+    """Say what to install if the settings ask for contact and the run could not model it."""
+    if _settings(result).get("contact") != "barrier":
+        return ""
+    return f" Contact needs the package {PACKAGE}: {HOW_TO_INSTALL}"
 
 
 def thickness_warnings(result: xr.Dataset) -> list[str]:

@@ -109,6 +109,16 @@ class Assembly:
         """Return a convex replacement of `hessian`, without negative eigenvalues."""
         return self._matrix((part for term in deformed for part in term.convex_hessian()), 0.0)
 
+    def of_free_dofs(self, matrix: csr_matrix) -> csc_matrix:
+        """Return the part of a matrix by the first dofs, (k, k), that belongs to the free ones."""
+        entries, count = matrix.tocoo(), len(self.free)
+        number = np.full(self.size, count, dtype=np.intc)
+        number[self.free] = np.arange(count)
+        rows, columns = number[entries.row], number[entries.col]
+        kept = (rows < count) & (columns < count)
+        places = rows[kept], columns[kept]
+        return csc_matrix((entries.data[kept], places), shape=(count, count))
+
     def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
         values = np.concatenate([_lower_half(part).reshape(-1) for part in parts])
         values[self._twice] *= 2

@@ -101,7 +101,7 @@ class StableBranchRule:
         here = self._solver.configure(body, unstable.state)
         away = self._distance * self._solver.unstable_direction(body, unstable.state)
         sides = [
-            self._solver.find_minimum([body], here.moved(side * away).state, limits)
+            self._solver.find_minimum([body], here.pushed(side * away).state, limits)
             for side in MODE_SIDES
         ]
         arrived = [side for side in sides if side.converged] or sides[:1]

@@ -4,7 +4,7 @@ Derivatives by a parameter are central differences of forces and positions at th
 the specimen changed a little (`bilayer.solvers.parameters`): no iteration, so no noise.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,11 @@ from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import difference_by
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
-from dshell.energies.assembly import Assembly, Energy, deform
+from dshell.energies.assembly import Assembly
 from dshell.models.reference_surface import reference_surface_gradient
 from dshell.release.specimen_shell import SpecimenShell
 from dshell.solve.linear_solver import Factor, NotPositiveDefiniteError, best_linear_solver
+from dshell.solve.newton import Configuration
 
 Array = NDArray[np.float64]
 
@@ -45,8 +46,7 @@ class LinearisedShell:
     ) -> None:
         self._shell, self._stretch, self._state = shell, stretch, state
         self._free = assembly.free
-        energies = shell.body(stretch).energies
-        self._factor = _factor_of(assembly, energies, state)
+        self._factor = _factor_of(Configuration(shell.body(stretch), state, assembly))
 
     def solve(self, right_side: Array) -> Array:
         """Return the solution of stiffness x = right side, m; 0 where the shell is held."""
@@ -107,9 +107,9 @@ class LinearisedShell:
         return difference_by(of, self._shell.specimen, self._stretch, parameter)
 
 
-def _factor_of(assembly: Assembly, energies: Sequence[Energy], state: Array) -> Factor:
+def _factor_of(here: Configuration) -> Factor:
     """Return a factor of the stiffness that no other solver takes away."""
-    stiffness = assembly.hessian(deform(energies, state))
+    stiffness = here.hessian()
     linear_solver = best_linear_solver()
     try:
         return linear_solver.cholesky(stiffness)

@@ -6,6 +6,7 @@ from functools import partial
 
 import xarray as xr
 
+from bilayer.contact.package import contact_is_installed
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import result_mesh
@@ -22,7 +23,7 @@ from dshell.release.coarse_start import Array, coarse_mesh, prolong_shape
 from dshell.release.dynamic import DynamicPath, MotionLimits
 from dshell.release.paper import PaperPath
 from dshell.release.specimen_path import Begin, Beginning, ShellPath
-from dshell.release.specimen_shell import ShellModel, SpecimenShell
+from dshell.release.specimen_shell import ContactLimits, ShellModel, SpecimenShell
 from dshell.release.static import StaticPath, StepLimits, equilibrium_solver
 from dshell.settings import MorleySettings, PaperSettings, ReleaseSettings
 from dshell.solve.linear_solver import best_linear_solver
@@ -116,7 +117,10 @@ def open_shell_path(
 def _shell_path(
     specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings, begin: Begin
 ) -> ShellPath:
-    shell = SpecimenShell(specimen, mesh, _model_maker(mesh, settings), settings.tolerance)
+    models_contact = settings.contact == "barrier" and contact_is_installed()
+    contact = ContactLimits(settings.contact_range) if models_contact else None
+    make_model = _model_maker(mesh, settings)
+    shell = SpecimenShell(specimen, mesh, make_model, settings.tolerance, contact)
     solver = equilibrium_solver(shell, best_linear_solver())
     branch = BRANCH_RULES[settings.branch](solver, shell.escape)
     limits = StepLimits(

@@ -7,14 +7,18 @@ See `bilayer.solvers.contract` for the contract, `dshell.release.static` and
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
 
 import numpy as np
 import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from bilayer.contact.package import PACKAGE as CONTACT_PACKAGE
+from bilayer.contact.touching import Touching, measure_touching
 from bilayer.errors import InputError
 from bilayer.measures.milestone import Measures, measure
+from bilayer.results.contact_variables import contact_dataset
 from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
 from bilayer.specimen.prestretch import StretchPair
@@ -104,7 +108,9 @@ class ShellEquilibrium:
     @property
     def energy(self) -> Mapping[str, float]:
         """Energy terms, J."""
-        return self._shell.model.energy_terms(self.stretch, self.state)
+        terms = self._shell.model.energy_terms(self.stretch, self.state)
+        contact = self._shell.contact(self.stretch)
+        return terms if contact is None else {**terms, "contact": contact.at(self.state).energy}
 
     @property
     def residual(self) -> float:
@@ -122,8 +128,12 @@ class ShellEquilibrium:
         """Return the measures of the shape."""
         return measure(self._shell.specimen, self._shell.mesh, self.stretch, self.position)
 
-    def details(self) -> None:
-        """Return None: this solver has no variables of its own."""
+    def details(self) -> Touching | None:
+        """Return how the sheet touches itself; None if its contact is not modelled."""
+        contact = self._shell.contact(self.stretch)
+        if contact is None:
+            return None
+        return measure_touching(contact.skin, contact.barrier, contact.at(self.state).barrier)
 
     def save(self) -> Saved:
         """Return the state, and how the path began."""
@@ -157,7 +167,6 @@ class ShellPath:
     """
 
     comm = None
-    versions = VERSIONS
 
     def __init__(
         self,
@@ -170,6 +179,9 @@ class ShellPath:
         self._shell, self._solver, self._path = shell, solver, path
         self._begin: Begin | None = begin
         self.start = FLAT_START
+        self.versions = VERSIONS
+        if shell.contact(shell.unloaded) is not None:
+            self.versions = VERSIONS | {CONTACT_PACKAGE: version(CONTACT_PACKAGE)}
 
     def approach(self, target: StretchPair) -> Iterator[ShellEquilibrium]:
         """Go to a prestretch; see `Path`."""
@@ -199,14 +211,12 @@ class ShellPath:
         """Be in a state that was saved."""
         x, y = saved["stretch"]
         modes = int(saved["unstable_modes"])
-        expected = self._path.stopped().state.shape
-        if saved["state"].shape != expected:
-            raise InputError(
-                f"resume: state has the shape {saved['state'].shape}, expected {expected}"
-            )
         state = np.asarray(saved["state"], dtype=np.float64)
-        whole = np.zeros(len(self._shell.flat((float(x), float(y)))))
-        whole[: len(state)] = state  # files of earlier versions have no whole turns of folds
+        whole = np.zeros_like(self._path.stopped().state)
+        without_turns = len(whole) - self._shell.model.fold_count  # files of earlier versions
+        if state.shape not in (whole.shape, (without_turns,)):
+            raise InputError(f"resume: state has the shape {state.shape}, expected {whole.shape}")
+        whole[: len(state)] = state
         self._path.move_to(
             ShellState(
                 (float(x), float(y)),
@@ -218,8 +228,12 @@ class ShellPath:
         self._begin, self.start = None, str(saved["start"])
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
-        """Return an empty dataset: this solver has no variables of its own."""
-        return xr.Dataset()
+        """Return the contact by milestone; an empty dataset if contact is not modelled."""
+        if self._shell.contact(self._shell.unloaded) is None:
+            return xr.Dataset()
+        touching = [None if tried is None else tried.details for tried in milestones]
+        count = len(self._shell.specimen.prestretch.milestones)
+        return contact_dataset(touching, len(self.mesh.triangles), count)
 
     def close(self) -> None:
         """Free nothing: Python does."""

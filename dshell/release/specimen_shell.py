@@ -4,17 +4,22 @@ The load is the prestretch (lambda_x, lambda_y).
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.contact.barrier import Barrier
+from bilayer.contact.skin import BondedBody
+from bilayer.contact.skin_map import SkinMap
 from bilayer.geometry.alignment import align, move_onto_held_points
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, deform, gradient_of
+from dshell.energies.skin_contact import SkinContact
 from dshell.models.masses import lumped_masses
 from dshell.models.reference_surface import reference_surface_over
 from dshell.release.rigid_motion import choose_held_nodes, held_coordinates
@@ -22,6 +27,24 @@ from dshell.solve.newton import Body
 
 Array = NDArray[np.float64]
 
+
+@dataclass(frozen=True)
+class ContactLimits:
+    """The barrier of a sheet that may touch itself.
+
+    Parameters
+    ----------
+    range : float
+        Distance from which on nothing acts, over the thickness of all layers.
+    """
+
+    range: float
+
+
+STIFFNESS = 0.03
+"""Of the barrier, over Young's modulus of the softest layer: a few times the pressures that a bent
+sheet bears. A stiffer barrier keeps places farther apart in its range and asks for more iterations:
+on the paper's specimen up to 29 at 0.1 where it asks for 12 at 0.03."""
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
@@ -67,9 +90,12 @@ class SpecimenShell:
         mesh: PlanarMesh,
         make_model: Callable[[Specimen], ShellModel],
         tolerance: float,
+        contact: ContactLimits | None = None,
     ) -> None:
         self.specimen, self.mesh = specimen, mesh
         self._make_model, self._tolerance = make_model, tolerance
+        self._contact_limits = contact
+        self._contact_at: tuple[StretchPair, SkinContact] | None = None
         self._held_nodes = choose_held_nodes(specimen, mesh)
 
     @cached_property
@@ -98,7 +124,9 @@ class SpecimenShell:
 
     def of(self, specimen: Specimen) -> "SpecimenShell":
         """Return another specimen on the same mesh, held at the same nodes."""
-        other = SpecimenShell(specimen, self.mesh, self._make_model, self._tolerance)
+        other = SpecimenShell(
+            specimen, self.mesh, self._make_model, self._tolerance, self._contact_limits
+        )
         other._held_nodes = self._held_nodes
         if specimen == self.specimen:
             other.model = self.model
@@ -113,7 +141,44 @@ class SpecimenShell:
         masses = lumped_masses(self.specimen, self.mesh, stretch)
         load = np.zeros((len(masses), 3))
         load[:, 2] = -self.specimen.gravity * masses
-        return Body(self.model.energies(stretch), self._state_of(load))
+        return Body(self.model.energies(stretch), self._state_of(load), self.contact(stretch))
+
+    def contact(self, stretch: StretchPair) -> SkinContact | None:
+        """Return the contact of the sheet with itself at a prestretch, None if it has none."""
+        if self._contact_limits is None:
+            return None
+        if self._contact_at is None or self._contact_at[0] != stretch:
+            skin = self._skin.at_heights_of(self._bonded_body(stretch))
+            nodes = len(self.mesh.points)
+            self._contact_at = stretch, SkinContact(skin, self._barrier, nodes)
+        return self._contact_at[1]
+
+    @cached_property
+    def _skin(self) -> SkinMap:
+        return SkinMap.of(self._bonded_body(self.unloaded))
+
+    @cached_property
+    def _barrier(self) -> Barrier:
+        limits = self._contact_limits
+        assert limits is not None
+        layers = self.specimen.layers
+        thickness = sum(layer.thickness for layer in layers)
+        return Barrier.of(
+            self._skin,
+            flat_surface(self.mesh).points,
+            range=limits.range * thickness,
+            stiffness=STIFFNESS * min(layer.material.young_modulus for layer in layers),
+        )
+
+    def _bonded_body(self, stretch: StretchPair) -> BondedBody:
+        """Return the layers at their heights over the model's surface."""
+        body = BondedBody.of(self.specimen, self.mesh, stretch)
+        above = float(self.model.reference_height(stretch))
+        sheets = [
+            replace(sheet, bottom=sheet.bottom + above, top=sheet.top + above)
+            for sheet in body.sheets
+        ]
+        return replace(body, sheets=sheets)
 
     def masses(self, stretch: StretchPair) -> Array:
         """Return the mass behind each degree of freedom, kg; 0 behind those that are no nodes'."""
@@ -124,6 +189,8 @@ class SpecimenShell:
         """Return the residual force on every degree of freedom, N; 0 on those that are held."""
         body = self.body(stretch)
         forces = gradient_of(deform(body.energies, state)) - body.load
+        if body.contact is not None:
+            forces += body.contact.at(state).gradient
         forces[self.held] = 0.0
         return forces
 

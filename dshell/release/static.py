@@ -139,7 +139,13 @@ class StaticPath(Generic[Load]):
         self._here = state
 
     def begin_near(self, guess: Array, load: Load, iterations: int) -> bool:
-        """Go to the equilibrium near a guess; return whether it is soon found."""
+        """Go to the equilibrium near a guess; return whether it is soon found.
+
+        A guess that passes through itself leads nowhere if the shell may not.
+        """
+        contact = self._problem.body(load).contact
+        if contact is not None and contact.is_crossed(guess):
+            return False
         few = min(iterations, self._limits.iterations)
         body = self._problem.body(load)
         try:

@@ -2,8 +2,8 @@
 
 There are two factorisations. L L' of a positive definite matrix: its failure shows the static
 solver that a state is not stable. L D L' of any matrix: it shows the number of negative eigenvalues
-(by Sylvester's law of inertia, that of the negative pivots in D). All matrices that a solver is
-given share one sparsity pattern, so PETSc's solvers find their ordering once.
+(by Sylvester's law of inertia, that of the negative pivots in D). PETSc's solvers find their
+ordering once for all matrices of one sparsity pattern that follow each other.
 """
 
 from importlib.util import find_spec
@@ -177,7 +177,7 @@ class _PetscSystem:
         return self._solver.getPC().getFactorMatrix()
 
     def factorise(self, matrix: csc_matrix) -> None:
-        if self._matrix is None:
+        if self._is_of_another_pattern(matrix):
             self._keep_pattern(matrix)
         # by columns the lower half is by rows the upper one, because the matrix is symmetric
         self._matrix.setValuesCSR(*self._pattern, matrix.data[self._half])
@@ -191,7 +191,22 @@ class _PetscSystem:
             raise
         self._analysed = True
 
+    def _is_of_another_pattern(self, matrix: csc_matrix) -> bool:
+        """Whether the matrix needs an ordering of its own, as when contacts open or close."""
+        if self._matrix is None:
+            return True
+        starts, rows = self._whole_pattern
+        if starts is matrix.indptr and rows is matrix.indices:
+            return False
+        same = np.array_equal(starts, matrix.indptr) and np.array_equal(rows, matrix.indices)
+        return not same
+
     def _keep_pattern(self, matrix: csc_matrix) -> None:
+        if self._matrix is not None:
+            self._solver.reset()
+            self._matrix.destroy()
+            self._analysed = False
+        self._whole_pattern = matrix.indptr, matrix.indices
         for name, value in self._options.items():  # not before: PETSc warns of options not used
             self._petsc.Options("dshell_")[name] = value
         size = matrix.shape[0]

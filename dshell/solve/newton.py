@@ -11,8 +11,9 @@ with the same factor remove that stretch before the energy is judged. They cost 
 Each of them updates the factor (BFGS). A correction that would raise the energy is shortened.
 """
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +23,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
 from dshell.energies.assembly import Assembly, Energy, deform, energy_sums, gradient_of
+from dshell.energies.skin_contact import SkinContact, TouchingSkin
 from dshell.energies.whole_turns import continue_turns
 from dshell.solve.linear_solver import (
     Factor,
@@ -46,6 +48,11 @@ stand apart and take no more; others took thousands of solutions on a fine mesh.
 TOO_FAR = 3.0
 """Growth of the residual force over a whole step, not a capped one, and its corrections. What comes
 after is often indefinite, which costs several iterations; half the step needs no new factor."""
+CONTACT_CORRECTIONS = 3
+"""Corrections with one factor while something touches: contacts open and close, so that more of
+them cost more than they save."""
+FREE_SHARE = 0.9
+"""Of the step to the first contact, the share that is taken at most."""
 CORRECTION_SHARES = (1.0, 0.5, 0.25)
 """Of a correction, tried in this order until the energy falls."""
 ENERGY_NOISE = 1e-6
@@ -71,10 +78,13 @@ class Body:
         The elastic ones.
     load : array of float
         Force on each degree of freedom, N, in the shape of the state; it does not follow.
+    contact : SkinContact, optional
+        What keeps the body from passing through itself; nothing does if left out.
     """
 
     energies: Sequence[Energy]
     load: Array
+    contact: SkinContact | None = None
 
 
 class Configuration:
@@ -97,9 +107,18 @@ class Configuration:
             self._deformed = deform(body.energies, state)
 
     @cached_property
+    def contact(self) -> TouchingSkin | None:
+        """The contact of the body with itself; None if nothing acts."""
+        if self.body.contact is None:
+            return None
+        touching = self.body.contact.at(self.state)
+        return touching if touching.touches else None
+
+    @cached_property
     def energy(self) -> float:
         """Potential energy, J."""
-        return float(sum(self._energies)) - float(self.body.load @ self.state)
+        elastic = float(sum(self._energies)) - float(self.body.load @ self.state)
+        return elastic if self.contact is None else elastic + self.contact.energy
 
     @property
     def energy_scale(self) -> float:
@@ -116,12 +135,45 @@ class Configuration:
         """Residual force on the free degrees of freedom, N."""
         with np.errstate(all="ignore"):
             forces = gradient_of(self._deformed)
+        if self.contact is not None:
+            forces += self.contact.gradient
         return (forces - self.body.load)[self._assembly.free]
 
     @cached_property
     def error(self) -> float:
         """Norm of the residual force, N."""
         return float(np.linalg.norm(self.residual))
+
+    def free_share(self, step: Array) -> float:
+        """Return the share of a step that may be taken: 1, or less if the skin would touch."""
+        if self.body.contact is None:
+            return 1.0
+        free = self.body.contact.free_share(self.state, self.state + step)
+        return 1.0 if free == 1.0 else FREE_SHARE * free
+
+    def pushed(self, step: Array) -> "Configuration":
+        """Return the body after as much of a step as its skin lets it take."""
+        return self.moved(self.free_share(step) * step)
+
+    def under(self, body: Body) -> "Configuration":
+        """Return another body in the same state, such as the same sheet with another prestretch.
+
+        Raises
+        ------
+        NoDescentError
+            Its fibres, of another height, would pass through each other.
+        """
+        before, after = self.body.contact, body.contact
+        if self.contact is not None and before is not None and after is not None:
+            ways = before.points(self.state), after.points(self.state)
+            if after.barrier.free_share(*ways) < 1:
+                raise NoDescentError("the sheet, of another thickness, passes through itself")
+        return Configuration(body, self.state, self._assembly)
+
+    def is_free_to(self, there: "Configuration") -> bool:
+        """Whether the skin does not pass through itself on the way to another state."""
+        contact = self.body.contact
+        return contact is None or contact.free_share(self.state, there.state) == 1.0
 
     def moved(self, step: Array) -> "Configuration":
         """Return the body after a step, (dofs,), m, over which its folds turn continuously."""
@@ -133,11 +185,24 @@ class Configuration:
 
     def hessian(self) -> csc_matrix:
         """Return the second derivative by the free degrees of freedom, N/m."""
-        return self._assembly.hessian(self._deformed)
+        elastic = self._assembly.hessian(self._deformed)
+        if self.contact is None:
+            return elastic
+        return elastic + self._assembly.of_free_dofs(self.contact.hessian())
+
+    def hessian_with_convex_contact(self) -> csc_matrix:
+        """Return the like of it whose contact alone has no negative eigenvalue."""
+        elastic = self._assembly.hessian(self._deformed)
+        if self.contact is None:
+            return elastic
+        return elastic + self._assembly.of_free_dofs(self.contact.convex_hessian())
 
     def convex_hessian(self) -> csc_matrix:
         """Return the like of it that has no negative eigenvalue."""
-        return self._assembly.convex_hessian(self._deformed)
+        elastic = self._assembly.convex_hessian(self._deformed)
+        if self.contact is None:
+            return elastic
+        return elastic + self._assembly.of_free_dofs(self.contact.convex_hessian())
 
 
 @dataclass(frozen=True)
@@ -218,6 +283,10 @@ class EquilibriumSolver:
     def find_minimum(self, bodies: Sequence[Body], start: Array, limits: NewtonLimits) -> Outcome:
         """Go downhill from a state to an equilibrium, or as far as the limits let.
 
+        From a state that does not touch itself it first goes without contact. That is kept if no
+        two places come within range on the straight way from the start to the end, or from iterate
+        to iterate. If two places do, it goes on from the last iterate before.
+
         Parameters
         ----------
         bodies : sequence of Body
@@ -227,16 +296,39 @@ class EquilibriumSolver:
         limits : NewtonLimits
             When to stop.
         """
+        contact = bodies[-1].contact
+        if contact is None or contact.at(start).touches:
+            return self._go_downhill(bodies, start, limits, [])
+        bare = [replace(body, contact=None) for body in bodies]
+        iterates: list[Array] = []
+        found = self._go_downhill(bare, start, limits, iterates)
+        if found.converged and contact.stays_apart(start, found.state):
+            return found
+        steps = list(itertools.pairwise(iterates))
+        clear = sum(1 for _ in itertools.takewhile(lambda ends: contact.stays_apart(*ends), steps))
+        if found.converged and clear == len(steps):
+            return found
+        rest = bodies[min(clear, len(bodies) - 1) :]
+        touched = self._go_downhill(rest, iterates[clear], limits, [])
+        return replace(touched, iterations=found.iterations + touched.iterations)
+
+    def _go_downhill(
+        self, bodies: Sequence[Body], start: Array, limits: NewtonLimits, iterates: list[Array]
+    ) -> Outcome:
+        """Go downhill and append the states on the way, both ends included, to `iterates`."""
         here = self.configure(bodies[0], start)
+        iterates.append(here.state)
         for iteration in range(limits.iterations + 1):
             body = bodies[min(iteration, len(bodies) - 1)]
-            if here.body is not body:
-                here = self.configure(body, here.state)
-            converged = body is bodies[-1] and here.error <= limits.tolerance
-            if converged or iteration == limits.iterations:
-                break
+            converged = False
             try:
+                if here.body is not body:
+                    here = here.under(body)
+                converged = body is bodies[-1] and here.error <= limits.tolerance
+                if converged or iteration == limits.iterations:
+                    break
                 here = self._iterate(here, limits)
+                iterates.append(here.state)
             except NoDescentError:
                 break
         return Outcome(here.state, converged, here.error, iteration)
@@ -285,7 +377,7 @@ class EquilibriumSolver:
             except SingularMatrixError:
                 break
             step = _cap_step(self._step(factor, here.residual), limits.longest_step)
-            here = here.moved(step)
+            here = here.pushed(step)
         return Outcome(here.state, converged, here.error, iteration)
 
     def unstable_modes(self, body: Body, state: Array) -> int:
@@ -310,19 +402,26 @@ class EquilibriumSolver:
         return self._descend(here, self._factor_downhill(here), limits)
 
     def _descend(self, here: Configuration, factor: Factor, limits: NewtonLimits) -> Configuration:
-        """Return the body after the longest halved step that is low enough."""
+        """Return the body after one step.
+
+        That is the longest halved step that is low enough, and on which the skin does not pass
+        through itself.
+        """
+        if here.body.contact is not None:
+            limits = replace(limits, corrections=CONTACT_CORRECTIONS)
         straight = self._step(factor, here.residual)
         step = _cap_step(straight, limits.longest_step)
         whole = step is straight
         slope = float(here.residual @ step[self.assembly.free])
-        share = 1.0
-        while share > SHORTEST_STEP:
+        share = longest = here.free_share(step)
+        while share > SHORTEST_STEP * longest:
             there = self._step_and_correct(here, share * step, factor, limits)
             change = there.energy - here.energy
             too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
-            if change <= SUFFICIENT_DECREASE * share * slope and not too_far:
-                return there
-            if abs(change) <= ENERGY_NOISE * here.energy_scale and there.error < 0.5 * here.error:
+            low = change <= SUFFICIENT_DECREASE * share * slope and not too_far
+            noise = ENERGY_NOISE * here.energy_scale
+            settled = abs(change) <= noise and there.error < 0.5 * here.error
+            if (low or settled) and here.is_free_to(there):
                 return there
             share /= 2
         raise NoDescentError("no step along Newton's direction lowers the energy")
@@ -369,7 +468,13 @@ class EquilibriumSolver:
         try:
             return self._linear.cholesky(hessian)
         except NotPositiveDefiniteError:
-            return self._flip_negative_modes(hessian) or self._factor_convex(here)
+            pass
+        if here.contact is not None:
+            try:
+                return self._linear.cholesky(here.hessian_with_convex_contact())
+            except NotPositiveDefiniteError:
+                pass
+        return self._flip_negative_modes(hessian) or self._factor_convex(here)
 
     def _flip_negative_modes(self, hessian: csc_matrix) -> Factor | None:
         """Return the Hessian with its negative eigenvalues made positive, if they are few.

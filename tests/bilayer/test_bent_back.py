@@ -8,7 +8,8 @@ import pytest
 
 from bilayer import MeshSize, generate_mesh, paper_specimen
 from bilayer.contact.bent_back import BENT_BACK, Balls, Places, bent_back_pairs
-from bilayer.contact.self_contact import BondedBody, self_contact_gap
+from bilayer.contact.self_contact import self_contact_gap
+from bilayer.contact.skin import BondedBody
 
 
 def rolled_strip(turns, count=400):

@@ -13,7 +13,8 @@ from shapes import cap, in_plane
 from sheets import trilayer
 
 from bilayer import MeshSize, PlanarMesh, Response, generate_mesh, paper_specimen
-from bilayer.contact.self_contact import BondedBody, Sheet, self_contact_gap, skin_of
+from bilayer.contact.self_contact import self_contact_gap
+from bilayer.contact.skin import BondedBody, Sheet, skin_of
 from bilayer.geometry.surface import Surface
 from bilayer.results.report import contact_words, describe_trust, result_table
 

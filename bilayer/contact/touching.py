@@ -1,0 +1,71 @@
+"""How a body touches itself: forces, pressures and gap of the barrier in one state."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.contact.barrier import Barrier, BarrierState
+from bilayer.contact.skin_map import SkinMap
+from bilayer.geometry.surface import Surface
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Touching:
+    """The contact of a body with itself at one milestone.
+
+    Parameters
+    ----------
+    gap : float
+        Smallest distance of two places of the skin, m; infinity beyond the range of the barrier.
+    force : float
+        Sum of the forces with which its places press on each other, N.
+    pressure : (m,) array of float
+        Pressure on the skin of each of the mesh's triangles, Pa.
+    energy : float
+        Of the barrier, J.
+    pairs : int
+        Pairs of places within range.
+    crosses : bool
+        Whether the skin passes through itself all the same.
+    """
+
+    gap: float
+    force: float
+    pressure: Array
+    energy: float
+    pairs: int
+    crosses: bool
+
+
+def measure_touching(skin: SkinMap, barrier: Barrier, state: BarrierState) -> Touching:
+    """Return how a body touches itself.
+
+    Each point's force is shared by the skin's triangles around it as their areas are.
+
+    Parameters
+    ----------
+    skin, barrier
+        The skin, and what keeps its places apart.
+    state : BarrierState
+        The barrier where the body is.
+    """
+    forces = np.linalg.norm(state.gradient, axis=1)
+    surface = Surface(state.points, skin.triangles)
+    per_area = np.divide(
+        forces, surface.node_areas, out=np.zeros_like(forces), where=surface.node_areas > 0
+    )
+    on_triangles = surface.areas * per_area[skin.triangles].mean(axis=1)
+    faces = len(skin.mesh_triangles)
+    areas = np.bincount(skin.face, surface.areas, minlength=faces)
+    pressure = np.bincount(skin.face, on_triangles, minlength=faces) / areas
+    return Touching(
+        state.smallest_gap,
+        float(forces.sum()) / 2,
+        pressure,
+        state.energy,
+        state.pairs,
+        barrier.is_crossed(state.points),
+    )
