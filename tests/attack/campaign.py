@@ -24,6 +24,8 @@ CLASSES = {
     "study folder": "study_folders",
     "mesh file": "mesh_files",
     "frd file": "frd_files",
+    "drawing file": "drawing_files",
+    "material test": "measurement_files",
     "output": "outputs",
     "environment": "environment",
     "text": "texts",

@@ -7,21 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from attack.attempt import Attempt, Right
+from bilayer.cli.verbs import VERBS
 
-VERBS = (
-    "init",
-    "mesh",
-    "solve",
-    "compare",
-    "plot",
-    "convert",
-    "export",
-    "import",
-    "info",
-    "study",
-    "plot-study",
-    "rerun",
-)
 SOLVE = ("solve", "s.toml", "--solver", "dshell", "-o", "a.nc", "--quiet")
 NO_NUMBERS = (
     "",
@@ -308,6 +295,8 @@ def _enough(verb: str, name: str) -> tuple[str, ...]:
         "study": (name, "-o", "st"),
         "plot-study": (name, "--x", "cut.strips", "-o", "a.png"),
         "rerun": (name,),
+        "cut": (name, "-o", "a.dxf"),
+        "fit": (name,),
     }[verb]
 
 
@@ -321,7 +310,12 @@ def _study_options(bench: Any) -> Iterator[Attempt]:
     study = ("study", "w/study.toml", "-o", "w/st", "--quiet")
     for value in NO_COUNTS:
         for option in ("--jobs", "--case", "--ranks-per-case"):
-            yield of(f"study {option} {value[:9]}", *study, f"{option}={value}", says=option)
+            right = Right.REFUSED
+            if option != "--case" and value in ("1e300", "1e30"):
+                right = Right.EITHER  # as many as there are
+            yield of(
+                f"study {option} {value[:9]}", *study, f"{option}={value}", says=option, right=right
+            )
     yield of("study --case 3 of 2", *study, "--case", "3", says="case")
     yield of("study --case --dry-run", *study, "--case", "1", "--dry-run")
     draw = ("plot-study", "w/st", "-o", "a.png")

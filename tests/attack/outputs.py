@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 
 from attack.attempt import Attempt, Right
+from attack.measurement_files import table
 
 LATIN = os.fsdecode(b"r\xe9sultat")
 
@@ -24,6 +25,8 @@ def _verbs(bench: Any) -> dict[str, tuple[tuple[str, ...], str]]:
         "solve": (("solve", "s.toml", "--solver", "dshell", "--quiet", *quick), "nc"),
         "mesh": (("mesh", "s.toml", "--quiet"), "vtu"),
         "export": (("export", "s.toml", "--quiet"), "inp"),
+        "cut": (("cut", "s.toml", "--quiet", "--layer", "kirigami"), "dxf"),
+        "fit": (("fit", "t.csv", "--law", "neo-hookean"), "png"),
         "plot": (("plot", "good.nc"), "png"),
         "convert": (("convert", "good.nc"), "vtu"),
         "compare": (("compare", "good.nc", "good.nc", "--quiet"), "png"),
@@ -51,6 +54,8 @@ def _files(bench: Any, verb: str) -> dict[str, Any]:
         files |= {"uncut.toml": bench.uncut, "d": bench.deck}
     if verb == "plot-study":
         files["w"] = bench.study
+    if verb == "fit":
+        files["t.csv"] = table()
     return files
 
 
