@@ -16,6 +16,7 @@ import psutil
 from attack.bench import STUDY, Bench
 from attack.child import WITHOUT_LAUNCHER, in_child, load_everything
 
+TESTS = Path(__file__).parents[1]
 SOLVE = ("solve", "s.toml", "--solver", "dshell", "-o", "a.nc", "--quiet")
 WRITERS: dict[str, tuple[str, ...]] = {
     "solve": SOLVE,
@@ -58,9 +59,13 @@ def _folder(bench: Bench, place: Path, name: str) -> Path:
     return folder
 
 
-def _started(folder: Path, words: Sequence[str], launcher: Sequence[str] = ()) -> subprocess.Popen:
+def _started(
+    folder: Path, words: Sequence[str], module: Sequence[str] = ("bilayer",)
+) -> subprocess.Popen:
+    """Start the command line, or a module that starts it."""
     clean = {k: v for k, v in os.environ.items() if not k.startswith(WITHOUT_LAUNCHER)}
-    command = [*launcher, sys.executable, "-P", "-m", "bilayer", *words]
+    clean["PYTHONPATH"] = f"{TESTS}:{TESTS.parent}"
+    command = [sys.executable, "-P", "-m", *module, *words]
     return subprocess.Popen(
         command,
         cwd=folder,
@@ -92,18 +97,12 @@ def _full_disks(bench: Bench, place: Path) -> Iterator[Condition]:
     for verb, words in WRITERS.items():
         for size in KILOBYTES:
             folder = _folder(bench, place, f"{verb}{size}")
-            small = (
-                'mount -t tmpfs -o size="$1"k tmpfs "$2" && cp ./* "$2" 2>/dev/null;'
-                'rm -f "$2"/good.nc; ln -s "$PWD"/good.nc "$2"/; cd "$2" && shift 2 && "$@";'
-                'status=$?; ls -A >"$OLDPWD/left"; exit $status'
-            )
             disk = folder / "disk"
             disk.mkdir()
-            launcher = ("unshare", "--mount", "sh", "-c", small, "sh", str(size), str(disk))
-            status, said = _ended(_started(folder, words, launcher))
+            small = ["attack.small_disk", str(size), str(disk)]
+            status, said = _ended(_started(folder, words, small))
             wrong = _handled(status, said, (0, 1, 2))
-            listed = (folder / "left").read_text(encoding="utf-8").split()
-            left = [name for name in listed if name.startswith(".")]
+            left = (folder / "left").read_text(encoding="utf-8").split()
             wrong = wrong or (f"{left[0]} is left behind" if left else "")
             yield Condition(f"{verb} on a disk of {size} kB", f"exit status {status}", wrong)
 

@@ -23,12 +23,13 @@ REQUIRED_ATTRIBUTES = (
     "git_commit",
     "stop_reason",
 )
+UNKNOWN_TABLE = "[specimen]\nouter_radius = -1\n"
 TEXTS = (
     "",
     "x",
     "[",
     "a = ",
-    "[specimen]\nouter_radius = -1\n",
+    UNKNOWN_TABLE,
     "\0",
     "\x1b[31m",
     "x" * 100_000,
@@ -166,7 +167,9 @@ def _changes(required: tuple[str, ...], bench: Any) -> dict[str, Callable[[Conte
         made[f"{name} has one more axis{open_}"] = values(lambda a: np.asarray(a)[..., None])
         made[f"{name} is complex-like pairs{open_}"] = values(lambda a: np.zeros((3, 7)))
         made[f"{name} is empty{open_}"] = values(lambda a: np.zeros((0,) * max(1, np.ndim(a))))
-        made[f"{name} is bytes{open_}"] = values(lambda a: np.zeros(np.shape(a), dtype="i1"))
+        made[f"{name} is bytes{'?' if name not in INTEGER else open_}"] = values(
+            lambda a: np.zeros(np.shape(a), dtype="i1")
+        )
         made[f"{name} is nan{'?'}"] = values(lambda a: np.full(np.shape(a), np.nan))
         made[f"{name} is inf{'?'}"] = values(lambda a: np.full(np.shape(a), np.inf))
         made[f"{name} is huge{'?'}"] = values(lambda a: np.full(np.shape(a), 1e300))
@@ -190,7 +193,7 @@ def _changes(required: tuple[str, ...], bench: Any) -> dict[str, Callable[[Conte
         for number, value in enumerate((5, 5.5, np.array([1, 2, 3]), np.array([])), start=1):
             made[f"attribute {attribute} is number {number}{open_}"] = _setting(attribute, value)
         for number, text in enumerate(TEXTS, start=1):
-            no_setting = attribute == "settings" and text == ""
+            no_setting = attribute == "settings" and text in ("", "\0", UNKNOWN_TABLE)
             made[f"attribute {attribute} is text {number}{'?' if no_setting else open_}"] = (
                 _setting(attribute, text)
             )
