@@ -84,6 +84,7 @@ def read_frd(path: str | Path) -> Frd:
         raise InputError(f"frd file {path}: holds no nodes, expected a result of CalculiX")
     columns = _node_columns(path, lines[starts[0]])
     numbers, points = _block(path, lines, starts[0], columns)
+    _check_nodes(path, numbers, points)
     displacements = np.full_like(points, np.nan)
     fields = [index for index, line in enumerate(lines) if line.startswith(DISPLACEMENT)]
     if fields:
@@ -97,6 +98,19 @@ def read_frd(path: str | Path) -> Frd:
     versions = [line[len(VERSION) :].split() for line in lines if line.startswith(VERSION)]
     version = versions[0][-1] if versions and versions[0] else ""
     return Frd(points, displacements, version, lines[-1].startswith(FILE_END))
+
+
+def _check_nodes(path: str | Path, numbers: NDArray[np.int64], points: Array) -> None:
+    """Raise InputError unless there are nodes, all of them somewhere."""
+    if len(numbers) == 0:
+        raise InputError(f"frd file {path}: holds no nodes, expected a result of CalculiX")
+    nowhere = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(nowhere):
+        first = nowhere[0]
+        raise InputError(
+            f"frd file {path}: node {numbers[first]} lies at {points[first]}, expected finite "
+            "numbers"
+        )
 
 
 def _block(

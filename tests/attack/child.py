@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import multiprocessing.util
 import os
 import resource
 import signal
@@ -168,15 +169,17 @@ def _become(
 
 
 def _status_of_command() -> int:
-    from bilayer.__main__ import main
+    import bilayer.__main__ as command
 
+    sys.modules["__main__"] = command  # what a process that it starts begins with
     try:
-        status: Any = main()
+        status: Any = command.main()
     except SystemExit as stop:
         status = stop.code
     except BaseException:
         traceback.print_exc()
         status = 1
+    multiprocessing.util._run_finalizers()  # as at Python's own end: they remove folders
     try:
         for stream in (sys.stdout, sys.stderr):
             if stream is not None:

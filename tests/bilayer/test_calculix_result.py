@@ -128,6 +128,18 @@ def test_a_file_that_is_cut_off_is_named(run, share):
         read_frd(run)
 
 
+def test_nodes_that_are_nowhere_or_not_there_are_told(run):
+    lines = run.read_text().splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith(" -1"))
+    moved = lines[first][:13] + "         NaN" + lines[first][25:]
+    run.write_text("\n".join([*lines[:first], moved, *lines[first + 1 :]]))
+    with pytest.raises(InputError, match=r"node \d+ lies at .*nan.*, expected finite numbers"):
+        read_frd(run)
+    run.write_text("\n".join(line for line in lines if not line.startswith(" -1")))
+    with pytest.raises(InputError, match="holds no nodes"):
+        read_frd(run)
+
+
 def test_a_file_without_its_last_shape_is_not_converged(run):
     text = run.read_text()
     run.write_text(text[: text.index("    1PSTEP")])
