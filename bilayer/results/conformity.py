@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.milestones import along_milestones
 from bilayer.results.netcdf import StoredGroup
 from bilayer.results.schema import (
@@ -21,6 +22,7 @@ from bilayer.results.schema import (
     FORMAT,
     NOT_MEASURED,
     REQUIRED,
+    SAME_STRETCH,
     SCHEMA_VERSION,
     result_mesh,
 )
@@ -108,7 +110,7 @@ def check_result(result: xr.Dataset) -> None:
     _check_shapes(whole)
     for name, variable in whole.variables.items():
         _check_texts(variable.attrs, ("units", "long_name"), f"{name}: ")
-    result_mesh(result)  # raises what is wrong with the specimen or the mesh
+    _check_told_twice(whole, result_mesh(result))  # which refuses a bad specimen or mesh
 
 
 def check_scalars(stored: StoredGroup) -> None:
@@ -241,3 +243,21 @@ def _check_shapes(result: xr.Dataset) -> None:
         _check_there(result.variables, VOLUME, "variable")
         cells, count = result["volume_cells"].values, result.sizes["volume_node"]
         _refuse("volume_cells", cells, (cells < 0) | (cells >= count), f"nodes below {count}")
+
+
+def _check_told_twice(result: xr.Dataset, mesh: PlanarMesh) -> None:
+    """Check that what a result says in two places is the same."""
+    larger = np.maximum(result["prestretch_x"].values, result["prestretch_y"].values)
+    stretch = result["prestretch"].values
+    expected = "the larger of prestretch_x and prestretch_y"
+    _refuse("prestretch", stretch, np.abs(stretch - larger) > SAME_STRETCH, expected)
+    for axis, name in enumerate(("reference_x", "reference_y")):
+        if name in result:
+            values = result[name].values
+            _refuse(name, values, values != mesh.points[:, axis], "that of reference_position")
+    if "layers_present" in result and "sheet_layer" in result:
+        present, names = result["layers_present"].values, result["sheet_layer"].values
+        there = np.zeros(present.shape, dtype=present.dtype)
+        for column, name in enumerate(names):
+            there[mesh.faces_of(str(name)), column] = 1
+        _refuse("layers_present", present, present != there, "1 where the region has the layer")

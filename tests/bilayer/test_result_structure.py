@@ -127,6 +127,18 @@ NOT_A_RESULT = {
         with_values("quality", lambda v: np.zeros(3, dtype=np.int8)),
         "quality: holds values of the type int8, expected floating-point",
     ),
+    "a stretch that is not the larger one": (
+        with_values("prestretch_y", put(1, value=1.07)),
+        r"prestretch\[1\] = 1.06: expected the larger of prestretch_x and prestretch_y",
+    ),
+    "two places of a node": (
+        with_values("reference_x", put(3, value=0.0123)),
+        r"reference_x\[3\] = 0.0123: expected that of reference_position",
+    ),
+    "no layer where the region has it": (
+        with_values("region", lambda v: np.zeros_like(v)),
+        r"layers_present\[\d+, 1\] = 1: expected 1 where the region has the layer",
+    ),
     "tables as settings": (with_attribute("settings", "[a]\nb = 1"), "settings: a = .* expected a"),
     "truth values": (
         with_values("converged", lambda v: v.astype(bool)), "converged: holds values .* bool"
