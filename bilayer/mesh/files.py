@@ -59,7 +59,7 @@ def read_mesh_file(
     try:
         return run_in_child(partial(_read, path), seconds, int(available_memory()))
     except ChildProcessDiedError as error:
-        raise unreadable(path, "mesh file", f"damaged: reading it {error}") from error
+        raise unreadable(path, "mesh file", f"reading it {error}") from error
     except OSError as error:
         raise unreadable(path, "mesh file", error.strerror or str(error)) from error
 

@@ -28,7 +28,7 @@ Found = TypeVar("Found")
 
 HDF5, CLASSIC = b"\x89HDF\r\n\x1a\n", (b"CDF\x01", b"CDF\x02", b"CDF\x05")
 """First bytes of the two formats of NetCDF."""
-SHORTEST_TIME, BYTES_PER_SECOND = 15.0, 5e6
+SHORTEST_TIME, BYTES_PER_SECOND = 10.0, 5e6
 """Seconds that a file may take to be read: so many, and longer the larger it is."""
 BYTES_OF_THE_LIBRARY = 2**28
 LARGEST_RATIO = 1100
@@ -77,7 +77,7 @@ def read_netcdf_files(
                     found.append(outcome)
                     waiting.pop(0)
         except ChildProcessDiedError as error:
-            reason = f"damaged: reading it {error}"
+            reason = f"reading it {error}"
             found.append(unreadable(waiting.pop(0), what, reason))
     return found
 

@@ -99,7 +99,9 @@ def outcomes_of_child(
 
 def _ending(status: int) -> str:
     if os.WIFSIGNALED(status):
-        return f"is ended by the signal {signal.Signals(os.WTERMSIG(status)).name}"
+        name = signal.Signals(os.WTERMSIG(status)).name
+        outside = " from outside, as where memory is short" if name == "SIGKILL" else ""
+        return f"is ended by the signal {name}{outside}"
     return f"ends with the status {os.waitstatus_to_exitcode(status)}"
 
 
@@ -205,20 +207,21 @@ class _Pipe:
             It does not come in time.
         """
         deadline = time.monotonic() + seconds
-        head = self._take_bytes(LENGTH, deadline)
-        if len(head) < LENGTH:
-            return None
-        length = int.from_bytes(head, "little")
-        packed = self._take_bytes(length, deadline)
+        try:
+            head = self._take_bytes(LENGTH, deadline)
+            length = int.from_bytes(head, "little") if len(head) == LENGTH else -1
+            packed = self._take_bytes(length, deadline)
+        except TimeoutError as error:
+            raise ChildProcessDiedError(f"takes longer than {seconds:g} s") from error
         return packed if len(packed) == length else None
 
     def _take_bytes(self, count: int, deadline: float) -> bytes:
-        """Return so many bytes, fewer if the other end is closed before."""
+        """Return so many bytes, fewer if the other end is closed before; or raise TimeoutError."""
         found = bytearray()
         while len(found) < count:
             left = deadline - time.monotonic()
             if left <= 0 or not self._poll.poll(1000 * left):
-                raise ChildProcessDiedError("takes too long")
+                raise TimeoutError
             chunk = os.read(self._descriptor, min(CHUNK, count - len(found)))
             if not chunk:
                 break

@@ -154,9 +154,9 @@ def _read_apart(what: str, path: Path, read: Callable[[], Found]) -> Found:
     try:
         return run_in_child(read, seconds, available_memory())
     except ChildProcessDiedError as error:
-        raise unreadable(path, what, f"damaged: reading it {error}") from error
+        raise unreadable(path, what, f"reading it {error}") from error
     except (MemoryError, RecursionError) as error:
-        raise unreadable(path, what, f"damaged: {type(error).__name__}") from error
+        raise unreadable(path, what, f"reading it ends in {type(error).__name__}") from error
 
 
 def _modified(path: Path) -> float:

@@ -81,5 +81,5 @@ def test_a_drawing_without_an_end_is_given_up(tmp_path, monkeypatch):
     monkeypatch.setattr("bilayer.specimen.drawn.SHORTEST_TIME", 1.0)
     svg_of_blocks(tmp_path / "a.svg")
     (tmp_path / "s.toml").write_text(SHEET.format(given='drawing = "a.svg"'))
-    with pytest.raises(InputError, match=r"a\.svg: cannot be read \(damaged: "):
+    with pytest.raises(InputError, match=r"a\.svg: cannot be read \(reading it "):
         read_specimen(tmp_path / "s.toml")
