@@ -146,7 +146,7 @@ def _check_each(rings: list[Points]) -> None:
 
 
 def _check_pairs(rings: list[Points], joint: float) -> None:
-    polygons = [shapely.Polygon(ring) for ring in rings]
+    polygons = np.array([shapely.Polygon(ring) for ring in rings], dtype=object)
     tree = shapely.STRtree(polygons)
     for a, b in tree.query(polygons, predicate="intersects").T:
         if a >= b:

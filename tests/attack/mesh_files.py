@@ -39,6 +39,8 @@ FORMATS = (
     "ugrid",
     "cgns",
 )
+UNCLEAR = ("named otherwise", "partly tagged", "numbered")
+"""Groups of gmsh that may stand for nothing."""
 Points = np.ndarray
 
 
@@ -268,10 +270,9 @@ def _of_gmsh(bench: Any) -> Iterator[Attempt]:
                 }.items():
                     if binary and version == 4.0:
                         continue  # gmsh does not write it
+                    loses_groups = version == 2.2 and save_all
                     right = Right.ACCEPTED
-                    if name in ("named otherwise",) or (name == "partly tagged"):
-                        right = Right.EITHER
-                    if name == "numbered":
+                    if version == 4.0 or loses_groups or name in UNCLEAR:
                         right = Right.EITHER
 
                     def make(

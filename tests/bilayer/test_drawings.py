@@ -409,3 +409,11 @@ def test_a_pattern_from_a_geometry_of_shapely() -> None:
     assert shapely.symmetric_difference(kept, ring).area < 1e-12
     with pytest.raises(InputError, match="geometry = POINT"):
         bilayer.Pattern.from_geometry(shapely.Point(0, 0))
+
+
+@pytest.mark.parametrize("path", ["Mxx yy Q", "M20 10 Z", "M20 10 L40 10 Z"])
+def test_a_drawing_that_bounds_nothing_is_told(tmp_path, path):
+    file = tmp_path / "nothing.svg"
+    file.write_text(SVG.format(size=PAGE, content=f'<path d="{path}"/>'))
+    with pytest.raises(InputError, match="expected closed contours, has none"):
+        DrawingSource(file).contours()
