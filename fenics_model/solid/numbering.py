@@ -76,8 +76,17 @@ class Numbering:
         return gathered
 
     def spread(self, gathered: Array) -> Array:
-        """Return the dofs of this rank, ghosts included, of all dofs."""
-        return np.asarray(gathered)[self._number]
+        """Return the dofs of this rank, ghosts included, of all dofs.
+
+        Raises
+        ------
+        ValueError
+            There are more or fewer than all dofs.
+        """
+        values = np.asarray(gathered, dtype=np.float64)
+        if values.shape != (self.size,):
+            raise ValueError(f"values of the shape {values.shape}, expected {(self.size,)}")
+        return values[self._number]
 
     @property
     def _owned(self) -> int:
