@@ -76,7 +76,8 @@ def with_case(rows: Sequence[Row], case: Case, kept: Path, path: Path) -> list[R
 
 def completed(case: Case, rows: Sequence[Row], kept: Path) -> list[Row]:
     """Return the rows of a case on its mesh, what is missing of them computed."""
-    if not rows or any(row.is_judged and row.state == UNKNOWN for row in rows):
+    missing = {row.prestretch for row in rows} != set(case.specimen.prestretch.nominal)
+    if missing or any(row.is_judged and row.state == UNKNOWN for row in rows):
         return list(rows_of(case, kept))
     if any(row.is_judged and np.isnan(row.sensitivity) and row.state == "both" for row in rows):
         return with_sensitivity(case, rows, kept)

@@ -45,11 +45,12 @@ ones in proportion.
 
 
 ON_FINER_MESHES = """\
-Where the solvers are farther apart, each is also started from the shape of the other. Of the states
-that the finite-element model comes to, that of lowest energy is compared with the shell's nearest
-one. "State of" says who came to it without the other's shape. "Other state" is the energy of the
-other one over that of this one, less 1, if there is another one: the two solvers had come to
-different states. If the distance is still larger, the case is repeated with 0.7 of the mesh size.
+Where the solvers are farther apart, each is also started from the shape of the other; the
+finite-element model takes that shape at once, by Newton's method, or not at all. Of the states that
+it comes to, that of lowest energy is compared with the shell's nearest one. "State of" says who
+came to it without the other's shape. "Other state" is the energy of a solver's other state over
+that of this one, less 1, if it has one: the two solvers had come to different states. If the
+distance is still larger, the case is repeated with 0.7 of the mesh size.
 """
 
 SENSITIVITY = f"""\

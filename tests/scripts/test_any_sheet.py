@@ -9,7 +9,7 @@ import pytest
 from made_results import cap_result, small_specimen
 from shapes import cylinder
 from sheet_comparison.branches import energy, in_one_state
-from sheet_comparison.cases import Case, cases, softened
+from sheet_comparison.cases import MILESTONES, Case, cases, softened
 from sheet_comparison.cross import SIZES, CrossRow, height_without_mesh, loses_symmetry_at
 from sheet_comparison.page import page
 from sheet_comparison.rows import Row, on_finest_mesh, rows_on
@@ -107,16 +107,26 @@ def test_the_finest_mesh_of_each_sheet_counts():
 
 
 def test_the_solvers_are_compared_on_finer_meshes_while_they_disagree(tmp_path, monkeypatch):
-    distances = iter((0.02, 0.01, 0.004, 0.001))
+    distances = iter((0.004, 0.02, 0.003, 0.01, 0.002, 0.004, 0.001, 0.001))
 
     def rows_of(case, kept):
-        yield row(mesh_size=case.specimen.mesh.size, distance=next(distances))
+        for stretch in MILESTONES:
+            yield row(
+                mesh_size=case.specimen.mesh.size, prestretch=stretch, distance=next(distances)
+            )
 
     monkeypatch.setattr(any_sheet, "rows_of", rows_of)
     path = tmp_path / "rows.csv"
     rows = any_sheet.with_case([], Case("square", "bilayer", 0.05), tmp_path, path)
-    assert [found.distance for found in rows] == [0.02, 0.01, 0.004]
-    assert len(read_table(path, Row)) == 3
+    assert [found.distance for found in rows] == [0.004, 0.02, 0.003, 0.01, 0.002, 0.004]
+    assert len(read_table(path, Row)) == 6
+
+
+def test_a_case_that_lacks_a_milestone_is_computed(tmp_path, monkeypatch):
+    both = [row(prestretch=stretch) for stretch in MILESTONES]
+    monkeypatch.setattr(any_sheet, "rows_of", lambda case, kept: both)
+    case = Case("square", "bilayer", 0.05)
+    assert any_sheet.with_case(both[:1], case, tmp_path, tmp_path / "rows.csv") == both
 
 
 def test_the_kirigami_alone_becomes_softer():
