@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from bilayer.study.dataset import open_study
     from bilayer.study.plan import read_study
     from bilayer.study.run import run_study
+    from bilayer.viewer.page import view
     from dshell.settings import HingeSettings, MorleySettings, PaperSettings
     from fenics_model.settings import SolidSettings
 
@@ -135,6 +136,7 @@ _MODULES = {
     "bilayer.study.dataset": ("open_study",),
     "bilayer.study.plan": ("read_study",),
     "bilayer.study.run": ("run_study",),
+    "bilayer.viewer.page": ("view",),
     "dshell.settings": ("HingeSettings", "MorleySettings", "PaperSettings"),
     "fenics_model.settings": ("SolidSettings",),
 }

@@ -16,6 +16,7 @@ VERBS = {
     "solve": "compute the released shapes; write them as NetCDF",
     "compare": "compare two results on the same planar mesh",
     "plot": "draw isometric and bird's-eye views per prestretch",
+    "view": "write a page that shows a result in three dimensions, and open it",
     "convert": "write the shapes for ParaView and others",
     "export": "write the specimen as Abaqus input decks, which CalculiX runs; one per prestretch",
     "import": "read what CalculiX made of exported decks; write it as NetCDF",

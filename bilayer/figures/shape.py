@@ -19,22 +19,18 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
-from bilayer.errors import InputError
 from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.style import (
-    MM_PER_M,
     label_text,
     new_figure,
     print_style,
 )
 from bilayer.geometry.surface import Surface
-from bilayer.measures.body_frame import body_frame
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
 from bilayer.results.milestones import along_milestones
+from bilayer.results.released_shapes import Shape, released_shapes
 from bilayer.results.schema import result_mesh
-from bilayer.results.table import stretch_text, stretches
 
 Array = NDArray[np.float64]
 
@@ -64,15 +60,6 @@ class View:
 
 ISOMETRIC = View(-math.pi / 4, math.asin(1 / math.sqrt(3)))
 BIRDS_EYE = View(-math.pi / 2, math.pi / 2)
-
-
-@dataclass(frozen=True)
-class Shape:
-    """One shape to draw: its surface in the body frame, mm, its title and a note."""
-
-    title: str
-    note: str
-    surface: Surface
 
 
 def draw_isometric(result: xr.Dataset) -> Figure:
@@ -105,7 +92,7 @@ def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
     """Stack the views, each a grid of panels, under one legend."""
     result = along_milestones(result)
     mesh = result_mesh(result)
-    shapes = _shapes(result, mesh)
+    shapes = released_shapes(result, mesh)
     rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)
     frames = [_frame(view, shapes) for view in views]
     heights = [rows * (PANEL_WIDTH * up / right + 0.25) + 0.25 for right, up in map(_size, frames)]
@@ -127,25 +114,6 @@ def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
             else:
                 _draw_triad(panels, view, frame)
     return figure
-
-
-def _shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
-    """Shapes of all milestones that have one, in the body frame."""
-    pairs = stretches(result)
-    shapes = []
-    for k, note in enumerate(caveats(result)):
-        milestone = result.isel(prestretch=k)
-        position = milestone["position"].values
-        if not milestone["converged"] and "last_position" in milestone:
-            position = milestone["last_position"].values
-            note = f"stopped at {float(milestone['last_prestretch']):.4g}"
-        if np.isfinite(position).all():
-            upright = MM_PER_M * body_frame(mesh, position).coordinates(position)
-            title = f"λ = {stretch_text(pairs[k])}"
-            shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
-    if not shapes:
-        raise InputError(f"the result of {result_label(result)} holds no shape to draw")
-    return shapes
 
 
 def _frame(view: View, shapes: Sequence[Shape]) -> Array:

@@ -11,7 +11,7 @@ Least squares fitting of circles, J. Math. Imaging Vision 23, eq. 16, for circle
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -33,10 +33,13 @@ class Sphere:
         m; infinite for a plane.
     rmse : float
         Area-weighted root mean square of the distances from it, m.
+    distances : ndarray, shape (n,)
+        Of the nodes from it, outside positive, m.
     """
 
     radius: float
     rmse: float
+    distances: Array = field(compare=False, repr=False)
 
 
 def fit_sphere(surface: Surface) -> Sphere:
@@ -78,6 +81,7 @@ def fit_sphere(surface: Surface) -> Sphere:
     return Sphere(
         radius=float(1 / curvature) if curvature > 0 else math.inf,
         rmse=float(np.linalg.norm(residuals(best))) * size,
+        distances=math.copysign(size, best[0]) * _distance(points, *best),
     )
 
 

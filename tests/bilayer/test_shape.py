@@ -52,7 +52,7 @@ def test_a_shape_beyond_fifty_flat_radii_is_flat(mesh):
 
 
 def test_quality_is_at_most_one():
-    assert quality(Sphere(radius=R, rmse=2 * R), np.zeros(3), R) == 1
+    assert quality(Sphere(radius=R, rmse=2 * R, distances=np.zeros(3)), np.zeros(3), R) == 1
 
 
 def test_the_hemisphere_is_no_distance_from_itself(mesh):

@@ -1,0 +1,40 @@
+"""The verb `view`: a page that shows a result in three dimensions."""
+
+import argparse
+import webbrowser
+from pathlib import Path
+from typing import Any
+
+from bilayer.cli.parser import add_verb
+from bilayer.errors import InputError
+from bilayer.results.files import open_result
+
+
+def add(verbs: Any) -> None:
+    """Add the verb and its arguments to a parser's verbs."""
+    verb = add_verb(
+        verbs, run, "view",
+        "bilayer view fenics.nc -o shape.html",
+    )  # fmt: skip
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("other", nargs="?", metavar="OTHER.nc", help="shown over the first")
+    verb.add_argument(
+        "-o", "--output", metavar="FILE.html", help="the page (default: FILE.html beside FILE.nc)"
+    )
+    verb.add_argument("--no-open", action="store_true", help="write it, do not open a browser")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do it; return the exit status."""
+    from bilayer.viewer.page import view  # matplotlib's colours take half a second
+
+    output = Path(options.output or Path(options.result).with_suffix(".html"))
+    if output.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"page {output}: expected a name in .html")
+    other = None if options.other is None else open_result(options.other)
+    view(open_result(options.result), other, Path(options.result).stem).save(output)
+    if not options.quiet:
+        print(output)
+    if not options.no_open:
+        webbrowser.open_new_tab(output.resolve().as_uri())
+    return 0

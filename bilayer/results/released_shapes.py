@@ -1,0 +1,69 @@
+"""The shapes of a result that can be shown, each in its body frame."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from bilayer.errors import InputError
+from bilayer.geometry.surface import Surface
+from bilayer.measures.body_frame import body_frame
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.caveats import caveats
+from bilayer.results.comparison import result_label
+from bilayer.results.table import stretch_text, stretches
+
+MM_PER_M = 1e3
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One shape to show.
+
+    Parameters
+    ----------
+    title : str
+        Its prestretch.
+    note : str
+        What to know of it, such as where the path stopped; "" for nothing.
+    surface : Surface
+        In the body frame, mm.
+    """
+
+    title: str
+    note: str
+    surface: Surface
+
+
+def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
+    """Return the shapes of all milestones that have one, apex up.
+
+    A milestone that was not reached has the last shape on the way to it.
+
+    Parameters
+    ----------
+    result : Dataset
+        Along its milestones; see `bilayer.results.milestones.along_milestones`.
+    mesh : PlanarMesh
+        Its mesh.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    pairs = stretches(result)
+    shapes = []
+    for k, note in enumerate(caveats(result)):
+        milestone = result.isel(prestretch=k)
+        position = milestone["position"].values
+        if not milestone["converged"] and "last_position" in milestone:
+            position = milestone["last_position"].values
+            note = f"stopped at {float(milestone['last_prestretch']):.4g}"
+        if np.isfinite(position).all():
+            upright = MM_PER_M * body_frame(mesh, position).coordinates(position)
+            title = f"λ = {stretch_text(pairs[k])}"
+            shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
+    if not shapes:
+        raise InputError(f"the result of {result_label(result)} holds no shape to draw")
+    return shapes
