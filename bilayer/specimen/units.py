@@ -24,6 +24,8 @@ UNITS: dict[str, str] = {
 }  # fmt: skip
 """The SI unit of each key in a specimen file that has one, but for the constants of laws."""
 
+LONGEST_UNIT = 60
+"""Letters."""
 _KINDS = {
     "m": ("a length", "40 mm"),
     "rad": ("an angle", "17.2 deg"),
@@ -71,7 +73,7 @@ def _converted(field: str, text: str, unit: str) -> float:
         f"{field} = {text!r}: expected {kind}, a number in {unit} or a text such as {example!r}"
     )
     parts = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)\s*", text)
-    if parts is None:
+    if parts is None or not _is_plain_unit(parts[2]):
         raise wrong
     registry = _registry()
     try:
@@ -85,6 +87,11 @@ def _converted(field: str, text: str, unit: str) -> float:
     if (unit == "rad") != is_angle:  # pint takes a per cent for an angle, too
         raise wrong
     return converted
+
+
+def _is_plain_unit(text: str) -> bool:
+    """Whether a text can be a unit: pint computes what it is given, as in "m**9**9**9"."""
+    return len(text) <= LONGEST_UNIT and not re.search(r"(\*\*|\^)[^A-Za-z]*(\*\*|\^)", text)
 
 
 @cache

@@ -113,6 +113,9 @@ def test_units_in_the_short_form_and_in_overrides():
     ("override", "message"),
     [
         ("cut.inner_radius=8 kPa", "cut.inner_radius = '8 kPa': expected a length, .* '40 mm'"),
+        ("cut.inner_radius=8 m**(9**9**9)", "cut.inner_radius = .*: expected a length"),
+        ("cut.inner_radius=8 m^9^9^9^9^9", "cut.inner_radius = .*: expected a length"),
+        (f"cut.inner_radius=8 m{'*m' * 3000}", "cut.inner_radius = .*: expected a length"),
         ("cut.inner_radius=8 m^2", "cut.inner_radius = '8 m^2': expected a length"),
         ("cut.inner_radius='8'", "cut.inner_radius = '8': expected a length"),
         ("cut.inner_radius=8 foo", "cut.inner_radius = '8 foo': expected a length"),
