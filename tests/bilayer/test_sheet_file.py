@@ -156,10 +156,11 @@ def test_a_size_that_may_be_in_another_unit_is_asked_for(tmp_path, radius):
     path.write_text(
         template().split("[cut]")[0] + "[substrate]" + template().split("[substrate]")[1]
     )
-    sizes = [f"specimen.outer_radius={radius}", f"mesh.size={float(radius) / 9}"]
+    others = [f"mesh.size={float(radius) / 9}"]
+    others += [f"{layer}.thickness={float(radius) / 40}" for layer in ("substrate", "kirigami")]
     with pytest.raises(InputError, match=r"is in metres: is that meant\?.* a unit"):
-        read_specimen(path, sizes)
-    meant = read_specimen(path, [f"specimen.outer_radius='{radius} m'", sizes[1]])
+        read_specimen(path, [f"specimen.outer_radius={radius}", *others])
+    meant = read_specimen(path, [f"specimen.outer_radius='{radius} m'", *others])
     assert meant.characteristic_length == float(radius)
     assert parse_specimen(specimen_to_toml(meant)) == meant  # a result is not asked about
 
