@@ -13,7 +13,7 @@ Lengths are in mm, stresses in MPa, masses in tonnes.
 """
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import singledispatch
 from itertools import pairwise
@@ -29,7 +29,7 @@ from bilayer.errors import InputError
 from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.planar import PlanarMesh, flat_surface
-from bilayer.runtime.output_file import whole_file
+from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.runtime.version import __version__
 from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.materials import Law, LinearElastic, MooneyRivlin, NeoHookean
@@ -128,17 +128,37 @@ def write_decks(
         Writing failed, for example on a full disk.
     """
     check_agreement(specimen, mesh)
-    milestones = specimen.prestretch.milestones
-    target = Path(path)
-    names = [target]
-    if len(milestones) > 1:
-        stretches = specimen.prestretch.nominal
-        names = [target.with_name(f"{target.stem}_{s:.10g}{target.suffix}") for s in stretches]
-    for name, milestone in zip(names, milestones, strict=True):
+    names = deck_names(specimen, path)
+    for name in names:
+        check_deck_output(name)
+    for name, milestone in zip(names, specimen.prestretch.milestones, strict=True):
         deck = abaqus_deck(specimen, mesh, milestone, settings)
         with whole_file(name, "deck") as partial:
             partial.write_text(deck, encoding="ascii")
     return names
+
+
+def deck_names(specimen: Specimen, path: str | Path) -> list[Path]:
+    """Return the names of the decks of a specimen, one for each milestone."""
+    target, stretches = Path(path), specimen.prestretch.nominal
+    if len(stretches) == 1:
+        return [target]
+    return [target.with_name(f"{target.stem}_{s:.10g}{target.suffix}") for s in stretches]
+
+
+def check_deck_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> None:
+    """Raise InputError unless a deck can be written, and CalculiX finds it: by .inp.
+
+    Parameters
+    ----------
+    path : path-like
+        Where it shall be.
+    inputs : iterable of path-like
+        Files that are read and must not be lost.
+    """
+    check_writable(path, inputs)
+    if Path(path).suffix != ".inp":
+        raise InputError(f"output file {path}: is a deck of CalculiX, expected an ending of .inp")
 
 
 def abaqus_deck(

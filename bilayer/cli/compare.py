@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
@@ -23,7 +24,9 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     from bilayer.figures import draw_comparison, save_figure  # matplotlib takes half a second
+    from bilayer.figures.saving import check_figure_output
 
+    check_output(options, check_figure_output)
     first, second = (open_result(path) for path in options.results)
     comparison = compare(first, second)
     if comparison.attrs["first"] == comparison.attrs["second"]:  # the files tell them apart

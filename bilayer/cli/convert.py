@@ -3,8 +3,10 @@
 import argparse
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
-from bilayer.results.conversion import convert, convert_milestones
+from bilayer.mesh.files import check_mesh_output
+from bilayer.results.conversion import convert, convert_milestones, milestone_names
 from bilayer.results.files import open_result
 from bilayer.runtime.terminal import one_line, say
 
@@ -32,8 +34,10 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    check_output(options, check_mesh_output)
     result = open_result(options.result)
     if options.all:
+        check_output(options, check_mesh_output, milestone_names(result, options.output))
         for path in convert_milestones(result, options.output, options.part):
             say(one_line(path))
     else:

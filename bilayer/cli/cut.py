@@ -4,9 +4,15 @@ import argparse
 from dataclasses import replace
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.cli.specimen_arguments import milestone_argument
-from bilayer.cutting.files import write_cut_files
+from bilayer.cutting.files import (
+    check_cut_ending,
+    check_cut_output,
+    cut_file_names,
+    write_cut_files,
+)
 from bilayer.cutting.style import STYLES
 from bilayer.drawings.source import hexadecimal
 from bilayer.runtime.terminal import say, tell
@@ -55,6 +61,9 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     specimen = read_specimen(options.specimen, options.overrides)
+    check_cut_ending(options.output)
+    layers = options.layer or specimen.layer_names
+    check_output(options, check_cut_output, cut_file_names(options.output, layers))
     if options.prestretch is not None:
         specimen = specimen.with_milestones([milestone_argument(options.prestretch)])
     given = {"kerf": options.kerf, "least_web": options.least_web}

@@ -3,7 +3,8 @@
 import argparse
 from typing import Any
 
-from bilayer.calculix.deck import DeckSettings, write_decks
+from bilayer.calculix.deck import DeckSettings, check_deck_output, deck_names, write_decks
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.cli.specimen_arguments import (
     add_case_arguments,
@@ -38,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
     values, overrides = split_solver_settings(options.overrides)
     specimen = read_specimen_argument(options, overrides)
     settings = settings_from(DeckSettings, values)
+    check_output(options, check_deck_output, deck_names(specimen, options.output))
     for path in write_decks(
         specimen, read_mesh_argument(options, specimen), options.output, settings
     ):

@@ -1,16 +1,15 @@
 """The verb `fit`: the constants of a law from tests of a material."""
 
 import argparse
-from pathlib import Path
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.fitting.fit import Fit, fit
 from bilayer.fitting.laws import FITTED
 from bilayer.fitting.measurement import Measurement, read_measurement
 from bilayer.fitting.report import comparison_table, fit_report
-from bilayer.runtime.output_file import check_writable
 from bilayer.specimen.layer import layer_name
 from bilayer.validation import positive
 
@@ -48,7 +47,9 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     if options.output is not None:
-        check_writable(Path(options.output))
+        from bilayer.figures.saving import check_figure_output  # matplotlib takes half a second
+
+        check_output(options, check_figure_output)
     name = layer_name("--name", options.name)
     measurements = _measurements(options)
     if options.law == ALL:

@@ -1,10 +1,10 @@
 """The verb `import`: shapes that CalculiX computed from exported decks, as a result."""
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from bilayer.calculix.result import import_calculix
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.cli.specimen_arguments import (
     add_case_arguments,
@@ -12,9 +12,8 @@ from bilayer.cli.specimen_arguments import (
     read_mesh_argument,
     read_specimen_argument,
 )
-from bilayer.results.files import write_result
+from bilayer.results.files import check_result_output, write_result
 from bilayer.results.report import law_warnings, result_table
-from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.terminal import say, tell
 
 
@@ -35,7 +34,7 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status, 1 if a deck stopped before its end."""
-    check_writable(Path(options.output))
+    check_output(options, check_result_output)
     specimen = read_specimen_argument(options, options.overrides)
     result = import_calculix(options.frd, specimen, read_mesh_argument(options, specimen))
     write_result(result, options.output)

@@ -4,15 +4,20 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from bilayer.cli.outputs import check_output, input_files
 from bilayer.cli.parser import add_verb
 from bilayer.cli.specimen_arguments import (
     add_specimen_arguments,
     read_specimen_argument,
 )
+from bilayer.mesh.files import check_mesh_output
 from bilayer.mesh.generation import generate_mesh
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.mesh.planar_files import check_mesh_ending, write_planar_mesh
-from bilayer.runtime.output_file import check_writable
-from bilayer.runtime.terminal import say
+from bilayer.runtime.terminal import say, tell
+
+TITLE = "bilayer-shells mesh"
+"""In the picture, so that it is known again and may be replaced."""
 
 
 def add(verbs: Any) -> None:
@@ -29,15 +34,13 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
-    from bilayer.figures import draw_mesh, save_figure  # matplotlib takes half a second
-
+    check_output(options, check_mesh_output)
     output = Path(options.output)
-    check_writable(output)
     specimen = read_specimen_argument(options, options.overrides)
     check_mesh_ending(output, not all(layer.is_whole for layer in specimen.layers))
     mesh = generate_mesh(specimen)
     write_planar_mesh(mesh, output)
-    save_figure(draw_mesh(mesh), output.with_suffix(".png"))
+    _draw_beside(mesh, output, options)
     if not options.quiet:
         say(
             f"{len(mesh.points)} nodes, {len(mesh.triangles)} triangles, "
@@ -48,3 +51,16 @@ def run(options: argparse.Namespace) -> int:
             )
         )
     return 0
+
+
+def _draw_beside(mesh: PlanarMesh, output: Path, options: argparse.Namespace) -> None:
+    """Draw the mesh beside its file, unless something else has that name."""
+    from bilayer.figures import draw_mesh, save_figure  # matplotlib takes half a second
+    from bilayer.figures.saving import check_figure_output, has_title
+
+    picture = output.with_suffix(".png")
+    if picture.exists() and not has_title(picture, TITLE):
+        tell(f"bilayer: {picture} is there and is no picture of a mesh: not drawn")
+        return
+    check_figure_output(picture, input_files(options))
+    save_figure(draw_mesh(mesh), picture, title=TITLE)

@@ -3,6 +3,7 @@
 import argparse
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.results.files import open_result
 
@@ -20,6 +21,8 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     from bilayer.figures import draw_shapes, save_figure  # matplotlib takes half a second
+    from bilayer.figures.saving import check_figure_output
 
+    check_output(options, check_figure_output)
     save_figure(draw_shapes(open_result(options.result)), options.output)
     return 0

@@ -3,6 +3,7 @@
 import argparse
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
 from bilayer.specimen.overrides import toml_value
@@ -37,8 +38,10 @@ def add(verbs: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     from bilayer.figures import save_figure  # matplotlib takes half a second
+    from bilayer.figures.saving import check_figure_output
     from bilayer.study.figure import draw_study
 
+    check_output(options, check_figure_output)
     chosen = dict(_selection(word) for word in options.select)
     if options.prestretch is not None:
         chosen["prestretch"] = toml_value(options.prestretch)

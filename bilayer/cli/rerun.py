@@ -1,12 +1,11 @@
 """The verb `rerun`: a result computed again, and whether the numbers agree."""
 
 import argparse
-from pathlib import Path
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_trust_argument, add_verb
-from bilayer.results.files import open_result
-from bilayer.runtime.output_file import check_writable
+from bilayer.results.files import check_result_output, open_result
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.terminal import say, tell
@@ -36,11 +35,10 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status: 0 if the shapes agree."""
     join_mpi()
     first = is_first_rank()
+    check_output(options, check_result_output)
     result = select_reached_milestones(open_result(options.result))
     if not (first or solver_named(result.attrs["solver"]).parallel):
         return 0  # the first rank computes alone
-    if options.output is not None:
-        check_writable(Path(options.output))
     if first and was_started_from_a_result(result):
         tell(
             f"bilayer: it was started from {result.attrs['start']}, which it does not hold; "

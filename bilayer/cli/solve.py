@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.cli.specimen_arguments import (
     add_case_arguments,
@@ -12,10 +13,10 @@ from bilayer.cli.specimen_arguments import (
     read_specimen_argument,
 )
 from bilayer.errors import InputError
-from bilayer.results.files import open_result
+from bilayer.results.files import check_result_output, open_result
 from bilayer.results.report import law_warnings, result_table
 from bilayer.results.schema import NOT_MEASURED
-from bilayer.runtime.output_file import check_writable, remove_leftovers
+from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.terminal import say, tell
@@ -57,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     if not (first or solver_named(options.solver).parallel):
         return 0  # the first rank computes alone
     output = Path(options.output)
-    check_writable(output)
+    check_output(options, check_result_output)
     values, overrides = split_solver_settings(options.overrides)
     if "model" in values:
         raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")

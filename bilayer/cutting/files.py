@@ -1,6 +1,6 @@
 """Cut files: one for each layer, 1:1 in mm, as DXF, SVG or PDF."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from bilayer.cutting.style import HAIRLINE, Style
 from bilayer.cutting.tool_path import registration_marks, tool_path
 from bilayer.drawings.packages import package
 from bilayer.errors import InputError
-from bilayer.runtime.output_file import whole_file
+from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from bilayer.validation import not_negative, positive
@@ -106,20 +106,47 @@ def write_cut_files(
     kerf, least_web = not_negative("kerf", kerf, "m"), positive("least_web", least_web, "m")
     chosen = style or Style()
     names = [specimen.layer(name).name for name in layers or specimen.layer_names]
+    files = cut_file_names(target, names)
     at = stretch or specimen.prestretch.milestones[-1]
     bonded_marks = registration_marks(specimen.outline.polygon) if marks else []
     written = []
-    for name in names:
+    for name, own in zip(names, files, strict=True):
         part = part_of(specimen, name, at)
         path_of_tool = tool_path(part.region, kerf)
         crosses = [line @ part.relaxation.T for line in bonded_marks]
-        own = target if len(names) == 1 else target.with_stem(f"{target.stem}-{name}")
         with whole_file(own, "cut file") as file:
             write(file, path_of_tool, crosses, chosen)
         length = sum(_length(ring) for ring in path_of_tool)
         found = tuple(obstacles(part.region, least_web, kerf))
         written.append(CutFile(own, part, length, found))
     return written
+
+
+def cut_file_names(path: str | Path, layers: Sequence[str]) -> list[Path]:
+    """Return the names of the files of some layers."""
+    target = Path(path)
+    return [
+        target if len(layers) == 1 else target.with_stem(f"{target.stem}-{name}") for name in layers
+    ]
+
+
+def check_cut_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> None:
+    """Raise InputError unless a cut file can be written: before it is drawn.
+
+    Parameters
+    ----------
+    path : path-like
+        Where it shall be.
+    inputs : iterable of path-like
+        Files that are read and must not be lost.
+    """
+    check_writable(path, inputs)
+    check_cut_ending(path)
+
+
+def check_cut_ending(path: str | Path) -> None:
+    """Raise InputError unless the ending of a name is that of a format for cutters."""
+    _writer(Path(path))
 
 
 def _writer(path: Path) -> Callable[[Path, Lines, Lines, Style], None]:

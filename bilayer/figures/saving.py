@@ -1,5 +1,7 @@
 """A figure as a file: whole or not at all, and the same bytes from the same data."""
 
+import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +10,8 @@ from matplotlib.figure import Figure
 
 from bilayer.errors import InputError
 from bilayer.figures.style import print_style
-from bilayer.runtime.output_file import whole_file
+from bilayer.runtime.input_file import open_input
+from bilayer.runtime.output_file import check_writable, whole_file
 from bilayer.validation import one_of
 
 DOTS_PER_INCH = 200
@@ -20,8 +23,17 @@ _NO_TIME_STAMP: dict[str, dict[str, Any]] = {
 }
 
 
-def save_figure(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: Figure, path: str | Path, title: str | None = None) -> None:
     """Write a figure in the format of the file's ending: png, pdf, svg or another of matplotlib's.
+
+    Parameters
+    ----------
+    figure : Figure
+        What is drawn.
+    path : path-like
+        The file.
+    title : str, optional
+        Kept in a .png, see `has_title`.
 
     Raises
     ------
@@ -32,9 +44,35 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     """
     kind = _format_of(Path(path))
     metadata = _NO_TIME_STAMP.get(kind)
+    if title is not None and kind == "png":
+        metadata = {"Title": title}
     FigureCanvasAgg(figure)
     with print_style(), whole_file(path, "figure") as partial:
         figure.savefig(partial, format=kind, dpi=DOTS_PER_INCH, metadata=metadata)
+
+
+def has_title(path: str | Path, title: str) -> bool:
+    """Whether a file is a .png that `save_figure` wrote with this title."""
+    try:
+        with open_input(path, "figure") as descriptor:
+            head = os.read(descriptor, 4096)
+    except InputError:
+        return False
+    return b"tEXtTitle\0" + title.encode() in head
+
+
+def check_figure_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> None:
+    """Raise InputError unless a figure can be written: before it is drawn.
+
+    Parameters
+    ----------
+    path : path-like
+        Where it shall be.
+    inputs : iterable of path-like
+        Files that are read and must not be lost.
+    """
+    check_writable(path, inputs)
+    _format_of(Path(path))
 
 
 def _format_of(path: Path) -> str:

@@ -5,7 +5,7 @@ They are read in a child process: on some that are damaged meshio never ends, or
 
 import io
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from bilayer.mesh.gmsh_files import PhysicalGroups, is_gmsh, read_gmsh
 from bilayer.runtime.child_process import ChildProcessDiedError, run_in_child
 from bilayer.runtime.input_file import open_input, unreadable
 from bilayer.runtime.memory import available_memory
-from bilayer.runtime.output_file import HDF5_ROOM, whole_file
+from bilayer.runtime.output_file import HDF5_ROOM, check_writable, whole_file
 
 if TYPE_CHECKING:
     import meshio
@@ -29,6 +29,8 @@ NOT_OF_TRIANGLES = (".ele", ".node", ".f3grid", ".svg", ".wkt")
 """Endings that meshio does not read triangles from; at some it never ends."""
 
 
+WITH_COMPANION = (".xdmf", ".xmf")
+"""Endings of formats that keep the numbers in an .h5 file of the same name."""
 SHORTEST_TIME, BYTES_PER_SECOND = 10.0, 1e6
 """Seconds that a file may take to be read: so many, and longer the larger it is."""
 
@@ -73,6 +75,31 @@ def _read(path: str | Path) -> "tuple[meshio.Mesh, PhysicalGroups | None]":
         return meshio.read(path), None
 
 
+def check_mesh_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> None:
+    """Raise InputError unless a mesh file can be written: before there is a mesh.
+
+    Parameters
+    ----------
+    path : path-like
+        Where it shall be; its ending tells the format.
+    inputs : iterable of path-like
+        Files that are read and must not be lost.
+    """
+    import meshio  # takes long to load, and few need it
+
+    target = check_writable(path, inputs)
+    ending = Path(path).suffix.lower()
+    if ending not in meshio.extension_to_filetypes:
+        known = ", ".join(sorted(meshio.extension_to_filetypes))
+        raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
+    companion = target.with_name(Path(path).name).with_suffix(".h5")
+    if ending in WITH_COMPANION and companion.exists() and not target.exists():
+        raise InputError(
+            f"mesh file {path}: {companion} is there, which {ending} writes too; expected another "
+            "name"
+        )
+
+
 def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:
     """Write a mesh file, the format told by its ending; whole or not at all.
 
@@ -83,13 +110,10 @@ def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
-    import meshio  # takes long to load, and few need it
+    import meshio
 
-    ending = Path(path).suffix.lower()
-    if ending not in meshio.extension_to_filetypes:
-        known = ", ".join(sorted(meshio.extension_to_filetypes))
-        raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
-    file_format = FORMATS.get(ending)
+    check_mesh_output(path)
+    file_format = FORMATS.get(Path(path).suffix.lower())
     arrays = [mesh.points, *(block.data for block in mesh.cells), *mesh.point_data.values()]
     room = sum(np.asarray(array).nbytes for array in arrays) + HDF5_ROOM  # .xdmf has an .h5
     with whole_file(path, "mesh file", room) as partial, _meshio_speaks_by_errors(path, "written"):

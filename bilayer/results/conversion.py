@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.mesh.files import write_mesh_file
+from bilayer.mesh.files import check_mesh_output, write_mesh_file
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
@@ -71,12 +71,21 @@ def convert_milestones(
     list of Path
         The files written.
     """
+    names = milestone_names(result, path)
+    for name in names:
+        check_mesh_output(name)
     result = along_milestones(result)
     milestones = _reached(result, None)
-    names = _with_prestretches(Path(path), result["prestretch"].values[milestones])
     for milestone, name in zip(milestones, names, strict=True):
         _write(result, name, int(milestone), part)
     return names
+
+
+def milestone_names(result: xr.Dataset, path: str | Path) -> list[Path]:
+    """Return the names of the files of `convert_milestones`."""
+    result = along_milestones(result)
+    milestones = _reached(result, None)
+    return _with_prestretches(Path(path), result["prestretch"].values[milestones])
 
 
 def _write(result: xr.Dataset, path: str | Path, milestone: int, part: str) -> None:

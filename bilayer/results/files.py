@@ -5,7 +5,8 @@ needs to go on from the last milestone. A finished one has none.
 """
 
 import errno
-from collections.abc import Iterator, Mapping
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,11 +19,12 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.results.conformity import check_result
-from bilayer.results.netcdf import StoredGroup, read_netcdf
-from bilayer.runtime.output_file import HDF5_ROOM, whole_file
+from bilayer.results.netcdf import StoredGroup, read_netcdf, why_not_locked
+from bilayer.runtime.output_file import HDF5_ROOM, check_writable, trial_file, whole_file
 
 RESUME_GROUP = "resume"
 RESULT_FILE = "result file"
+ENDINGS = (".nc", ".nc4", ".cdf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,32 @@ class ResumePoint:
     tried: int
     reasons: tuple[str, ...]
     saved: Mapping[str, NDArray[Any]]
+
+
+def check_result_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> None:
+    """Raise InputError unless a result can be written: before it is computed.
+
+    The NetCDF library makes a trial file, which tells of file systems without locks.
+
+    Parameters
+    ----------
+    path : path-like
+        Where it shall be.
+    inputs : iterable of path-like
+        Files that are read and must not be lost.
+    """
+    check_writable(path, inputs)
+    if Path(path).suffix.lower() not in ENDINGS:
+        raise InputError(
+            f"output file {path}: a result is NetCDF, expected an ending of {', '.join(ENDINGS)}"
+        )
+    with trial_file(path) as trial:
+        try:
+            netCDF4.Dataset(trial, "w").close()
+        except (OSError, RuntimeError) as error:
+            with tempfile.TemporaryFile(dir=trial.parent) as file:
+                reason = why_not_locked(file.fileno()) or getattr(error, "strerror", None) or error
+            raise InputError(f"output file {path}: cannot be written ({reason})") from error
 
 
 def write_result(result: xr.Dataset, path: str | Path, resume: ResumePoint | None = None) -> None:

@@ -164,7 +164,7 @@ def _read(
             try:
                 return _read_open(descriptor, path, read, memory)
             except Exception as error:
-                reason = _why_not_locked(descriptor) or _words(error)
+                reason = why_not_locked(descriptor) or _words(error)
                 return unreadable(path, what, reason)
     except InputError as error:
         return error
@@ -251,7 +251,7 @@ def _stated_end(superblock: bytes) -> int | None:
     return int.from_bytes(superblock[begin : begin + 8], "little")
 
 
-def _why_not_locked(descriptor: int) -> str:
+def why_not_locked(descriptor: int) -> str:
     """Return why a lock is refused that the user's setting asks for; else an empty text."""
     if os.environ.get("HDF5_USE_FILE_LOCKING", "").upper() in ("FALSE", "0"):
         return ""
@@ -262,7 +262,7 @@ def _why_not_locked(descriptor: int) -> str:
     except ImportError:
         return ""
     except OSError as error:
-        return f"cannot be locked: {error.strerror}; HDF5_USE_FILE_LOCKING=FALSE reads it without"
+        return f"cannot be locked: {error.strerror}; HDF5_USE_FILE_LOCKING=FALSE does without"
     return ""
 
 

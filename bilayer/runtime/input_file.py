@@ -98,11 +98,15 @@ def unreadable(path: str | Path, what: str, reason: str) -> InputError:
     return InputError(f"{what} {path}: cannot be read ({reason})")
 
 
+def kind_of(found: os.stat_result) -> str:
+    """Return what is found where a regular file should be: "a device", "a folder", ..."""
+    return _KINDS.get(stat.S_IFMT(found.st_mode), "no regular file")
+
+
 def _check_kind(found: os.stat_result, largest: int | None) -> None:
     """Raise OSError unless a regular file is found, not larger than the largest."""
     if not stat.S_ISREG(found.st_mode):
-        kind = _KINDS.get(stat.S_IFMT(found.st_mode), "no regular file")
-        raise OSError(errno.EINVAL, f"is {kind}, expected a file")
+        raise OSError(errno.EINVAL, f"is {kind_of(found)}, expected a file")
     if largest is not None and found.st_size > largest:
         raise OSError(errno.EFBIG, f"has {found.st_size} bytes, expected at most {largest}")
 

@@ -10,8 +10,7 @@ import xarray as xr
 from bilayer.errors import InputError, Interrupted, NotResumableError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance
-from bilayer.results.files import open_result, write_result
-from bilayer.runtime.output_file import check_writable
+from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.runtime.progress import Progress
 from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
@@ -48,7 +47,7 @@ def solve_with(
     """
     model = model_of(solver, settings)
     if output is not None:
-        check_writable(Path(output))
+        check_result_output(output)
     earlier = None
     if resume is not None:
         with _resuming(resume):

@@ -23,7 +23,7 @@ from typing import Any
 import xarray as xr
 
 from bilayer.errors import ComputationError, InputError
-from bilayer.results.files import write_result
+from bilayer.results.files import check_result_output, write_result
 from bilayer.runtime.input_file import read_text
 from bilayer.runtime.output_file import check_writable, remove_leftovers, whole_file
 from bilayer.runtime.terminal import tell
@@ -58,6 +58,8 @@ class StudyFolder:
     """
 
     def __init__(self, path: str | Path) -> None:
+        if not os.fspath(path):
+            raise InputError("study folder '': expected a name")
         self.path = Path(path)
 
     @property
@@ -114,11 +116,12 @@ class StudyFolder:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self.cases.mkdir(exist_ok=True)
-        except OSError as error:
-            raise InputError(
-                f"study folder {self.path}: cannot be made ({error.strerror})"
-            ) from error
-        check_writable(self.log_file)
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise InputError(f"study folder {self.path}: cannot be made ({reason})") from error
+        for file in (self.plan_file, self.index_file, self.log_file):
+            check_writable(file)
+        check_result_output(self.result_file("trial"))
 
     def remove_leftovers(self) -> None:
         """Remove what processes left that were killed while they wrote; none writes now."""

@@ -1,0 +1,87 @@
+"""The gate of every output of the command line, passed before anything is computed.
+
+It knows the inputs: all files that the other arguments name, and those that the specimen or study
+file names in turn.
+"""
+
+import argparse
+import tomllib
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from bilayer.errors import InputError
+from bilayer.runtime.input_file import read_text
+
+Check = Callable[[str | Path, Iterable[str | Path]], Any]
+"""`bilayer.runtime.output_file.check_writable`, or one that knows the format, too."""
+
+
+def check_output(
+    options: argparse.Namespace, check: Check, names: Iterable[str | Path] | None = None
+) -> None:
+    """Raise InputError unless the output of a verb can be written, and is none of its inputs.
+
+    Parameters
+    ----------
+    options : Namespace
+        Of the verb; its `output` may be None.
+    check : callable
+        Of this kind of file.
+    names : iterable of path-like, optional
+        The files that are written, if they are others than `output`.
+    """
+    if options.output is None:
+        return
+    inputs = list(input_files(options))
+    for name in [options.output] if names is None else names:
+        check(name, inputs)
+
+
+def check_output_is_named(options: argparse.Namespace) -> None:
+    """Raise InputError if the name of the output is empty, as of a variable that is not set."""
+    if getattr(options, "output", None) == "":
+        raise InputError("--output '': expected a name")
+
+
+def input_files(options: argparse.Namespace) -> Iterator[Path]:
+    """Yield the files that a verb reads."""
+    for field, value in vars(options).items():
+        if field != "output":
+            for word in _texts(value):
+                yield from _file_and_those_it_names(word, Path())
+
+
+def _file_and_those_it_names(word: str, folder: Path) -> Iterator[Path]:
+    """Yield a file and, if it is TOML, those that it names relative to its folder."""
+    path = folder / word
+    try:
+        if not word or not path.is_file():
+            return
+    except (OSError, ValueError):  # no name of a file
+        return
+    yield path
+    if path.suffix == ".toml":
+        for inner in _texts(_tables(path)):
+            if inner != path.name:
+                yield from _file_and_those_it_names(inner, path.parent)
+
+
+def _tables(path: Path) -> Any:
+    """Return what a file holds; nothing if it is damaged, which its reader will tell."""
+    try:
+        return tomllib.loads(read_text(path, "file"))
+    except (InputError, ValueError, RecursionError):
+        return {}
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """Yield all texts in a value."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for inner in value.values():
+            yield from _texts(inner)
+    elif isinstance(value, (list, tuple)):
+        for inner in value:
+            yield from _texts(inner)
