@@ -10,7 +10,6 @@ import traceback
 from collections.abc import Sequence
 
 from bilayer.cli.interrupted import tell_interruption
-from bilayer.cli.outputs import check_output_is_named
 from bilayer.cli.parser import Parser, main_parser
 from bilayer.cli.spare_pint import spare_pint
 from bilayer.cli.verbs import VERBS, load_verb
@@ -34,7 +33,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with termination_as_ctrl_c():
             options = _parser(words).parse_args(words)
-            check_output_is_named(options)
             status: int = options.run(options)
             flush_stdout()
         return status

@@ -5,6 +5,7 @@ file names in turn.
 """
 
 import argparse
+import os
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
 
+SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 Check = Callable[[str | Path, Iterable[str | Path]], Any]
 """`bilayer.runtime.output_file.check_writable`, or one that knows the format, too."""
 
@@ -33,15 +35,11 @@ def check_output(
     """
     if options.output is None:
         return
+    if options.output.endswith(SEPARATORS):
+        raise InputError(f"--output {options.output}: ends as a folder, expected a file name")
     inputs = list(input_files(options))
     for name in [options.output] if names is None else names:
         check(name, inputs)
-
-
-def check_output_is_named(options: argparse.Namespace) -> None:
-    """Raise InputError if the name of the output is empty, as of a variable that is not set."""
-    if getattr(options, "output", None) == "":
-        raise InputError("--output '': expected a name")
 
 
 def input_files(options: argparse.Namespace) -> Iterator[Path]:

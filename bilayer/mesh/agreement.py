@@ -36,6 +36,8 @@ def check_agreement(specimen: Specimen, mesh: PlanarMesh) -> None:
     _check_names(specimen, mesh)
     _check_outline(specimen, mesh)
     for name in specimen.layer_names:
+        if len(mesh.faces_of(name)) == 0:
+            raise InputError(f"mesh: the layer {name!r} lies on none of its triangles")
         if not _mesh_defines(specimen, name):
             _check_layer(specimen, mesh, name)
 

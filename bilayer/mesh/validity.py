@@ -18,11 +18,17 @@ SLIVER = 1e-6
 """Height of a triangle over its longest edge, from which on it is degenerate."""
 
 
+FARTHEST = 1e6
+"""Largest coordinate of a node, m."""
+
+
 def check_points(points: NDArray[np.float64]) -> None:
-    """Raise InputError if a coordinate is no finite number; points of shape (n, 2) or (n, 3)."""
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    """Raise InputError if a coordinate is none of a sheet; points of shape (n, 2) or (n, 3)."""
+    bad = np.flatnonzero(~(np.abs(points) <= FARTHEST).all(axis=1))
     if len(bad):
-        raise InputError(f"node {bad[0]} lies at {points[bad[0]]}: expected finite numbers, m")
+        raise InputError(
+            f"node {bad[0]} lies at {points[bad[0]]}: expected finite numbers up to {FARTHEST:g}, m"
+        )
 
 
 def check_region(region: ArrayLike, known: tuple[int, ...]) -> None:

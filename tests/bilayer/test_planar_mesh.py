@@ -30,6 +30,7 @@ LATTICE = np.array([[x, y] for y in range(3) for x in range(4)], dtype=float)
 NAN = np.where(np.arange(4)[:, None] == 2, np.nan, SQUARE)
 BAD = {
     "not finite": (NAN, [[0, 1, 2], [0, 2, 3]], "node 2 lies at .*nan nan.*: expected finite"),
+    "far away": (SQUARE * 1e300, [[0, 1, 2], [0, 2, 3]], "node 1 lies at .*300.*up to 1e"),
     "isolated": (SQUARE, [[0, 1, 2]], "node 3 is isolated: expected every node in a triangle"),
     "no such node": (SQUARE, [[0, 1, 2], [0, 2, 4]], r"triangle 1 \(nodes 0, 2, 4\): .* 0 to 3"),
     "negative": (SQUARE, [[0, 1, 2], [0, 2, -1]], r"triangle 1 \(nodes 0, 2, -1\): .* 0 to 3"),

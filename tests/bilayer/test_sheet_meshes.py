@@ -260,6 +260,14 @@ def test_a_coarse_mesh_of_nearly_the_same_specimen_is_refused(name):
         check_agreement(NEARLY[name], mesh)
 
 
+def test_a_mesh_on_which_a_layer_lies_nowhere_is_refused():
+    mesh = generate_mesh(PAPER)
+    bare = replace(mesh, region=np.zeros_like(mesh.region))
+    for specimen in (PAPER, PAPER.with_layer("kirigami", pattern=None)):
+        with pytest.raises(InputError, match="'kirigami' lies on none of its triangles"):
+            check_agreement(specimen, bare)
+
+
 def test_half_a_disc_is_no_disc():
     mesh = generate_mesh(PAPER)
     upper = mesh.points[mesh.triangles].mean(axis=1)[:, 1] > 0
