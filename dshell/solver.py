@@ -10,7 +10,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.specimen.specimen import Specimen
-from dshell.settings import HingeSettings, MorleySettings, PaperSettings
+from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
 
 BYTES_PER_TRIANGLE = 50_000
 """Memory that a run takes: `scripts/benchmark dshell --largest 100000` measures it."""
@@ -62,6 +62,12 @@ def open_path(
     return open_shell_path(specimen, settings, mesh, start, CoarseStart(SOLVER, progress))
 
 
+def _takes_neighbours(settings: Any) -> bool:
+    """Whether a path goes downhill to stable states, which a shape nearby leads to as well."""
+    is_static = isinstance(settings, ReleaseSettings) and settings.method == "static"
+    return is_static and settings.branch == "lowest"
+
+
 SOLVER = Solver(
     name="dshell",
     models=MODELS,
@@ -69,5 +75,6 @@ SOLVER = Solver(
     bytes_per_triangle=lambda specimen, settings: BYTES_PER_TRIANGLE,
     default_start="flat",
     open_path=open_path,
+    takes_neighbours=_takes_neighbours,
 )
 """This package, as the registry finds it."""

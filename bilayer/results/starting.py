@@ -6,6 +6,7 @@ seconds. A solver that uses them as initial guesses takes few iterations.
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -23,6 +24,23 @@ FLAT_START = "flat"
 ANOTHER_RESULT = "another result: "
 """Beginnings of a result's attribute `start`: flat (or, on a fine mesh of the shell, flat on a
 coarse mesh first), or another result."""
+
+
+@dataclass(frozen=True, eq=False)
+class Neighbour:
+    """A start of a specimen that differs by little: each of its shapes leads to the same milestone.
+
+    Parameters
+    ----------
+    result : Dataset
+        On the same planar mesh, with the same milestones, all of them reached.
+    """
+
+    result: xr.Dataset
+
+    def __call__(self, mesh: PlanarMesh) -> xr.Dataset:
+        """Return the result, for a solver that takes any start alike."""
+        return self.result
 
 
 def starting_shape(

@@ -28,7 +28,9 @@ Array = NDArray[np.float64]
 Saved = Mapping[str, NDArray[Any]]
 """All that a path needs to go on, as arrays (numbers or text) by name; part of a file."""
 Start = xr.Dataset | Callable[[PlanarMesh], xr.Dataset] | None
-"""A result on the mesh of the run, a function that makes one, or None: the flat state."""
+"""A result on the mesh of the run, a function that makes one, or None: the flat state.
+
+A solver that `takes_neighbours` knows the function `bilayer.results.starting.Neighbour`."""
 
 
 class TargetMissedError(ComputationError):
@@ -288,6 +290,9 @@ class Solver:
         One of `bilayer.solvers.registry.STARTS`.
     open_path : OpenPath
         Makes a path.
+    takes_neighbours : callable
+        Returns whether a run with some settings comes to the same states if a `Neighbour` starts
+        it, with rare exceptions.
     """
 
     name: str
@@ -296,3 +301,4 @@ class Solver:
     bytes_per_triangle: Callable[[Specimen, Any], float]
     default_start: str
     open_path: OpenPath
+    takes_neighbours: Callable[[Any], bool] = lambda settings: False

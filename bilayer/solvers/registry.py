@@ -13,7 +13,7 @@ import xarray as xr
 
 from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.starting import with_waypoints
+from bilayer.results.starting import Neighbour, with_waypoints
 from bilayer.runtime.progress import Progress
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
@@ -49,7 +49,7 @@ def solve(
     settings: Any = None,
     *,
     mesh: PlanarMesh | None = None,
-    start: xr.Dataset | str | None = None,
+    start: xr.Dataset | Neighbour | str | None = None,
     comm: Any = None,
     progress: Progress | None = None,
     observers: Sequence[Observer] = (),
@@ -173,7 +173,9 @@ def specimen_given(specimen: Specimen | str | Path) -> Specimen:
     raise InputError(f"specimen = {specimen!r}: expected a Specimen or the path of its file")
 
 
-def _start_of(specimen: Specimen, solver: Solver, start: xr.Dataset | str | None) -> Start:
+def _start_of(
+    specimen: Specimen, solver: Solver, start: xr.Dataset | Neighbour | str | None
+) -> Start:
     """Return the start in the form that a path takes."""
     chosen = solver.default_start if start is None else start
     if not isinstance(chosen, str):

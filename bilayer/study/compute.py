@@ -18,10 +18,13 @@ from bilayer.solvers.registry import solve, solver_named
 from bilayer.study.case import Case
 from bilayer.study.damage import set_aside
 from bilayer.study.folder import LOG_BEGUN, LOG_SET_ASIDE, StudyFolder
+from bilayer.study.neighbours import Neighbours, NoNeighbours
 from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
 
 
-def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
+def compute_case(
+    case: Case, folder: StudyFolder, comm: Any = None, neighbours: Neighbours | None = None
+) -> None:
     """Solve a case and write what came out.
 
     Whatever goes wrong in the solver is recorded and goes no further.
@@ -34,6 +37,9 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         Where to keep it.
     comm : mpi4py.MPI.Comm, optional
         The ranks that share the case; all of them call, the first writes.
+    neighbours : Neighbours, optional
+        Earlier results of this process, one of which may start the case. Cases that turn out to
+        have been started wrongly are computed again.
 
     Raises
     ------
@@ -47,7 +53,7 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         folder.log(LOG_BEGUN, case)
     start = time.perf_counter()
     try:
-        result, before = _solve(case, folder, comm)
+        result, before = _solve(case, folder, comm, neighbours or NoNeighbours())
     except NotWrittenError as error:
         if first:
             folder.log_not_written(case, error)
@@ -61,9 +67,13 @@ def compute_case(case: Case, folder: StudyFolder, comm: Any = None) -> None:
         return
     if first:
         folder.keep_result(case, result, before + time.perf_counter() - start)
+    for other in [] if neighbours is None else neighbours.withdrawn():
+        compute_case(other, folder, comm)
 
 
-def _solve(case: Case, folder: StudyFolder, comm: Any) -> tuple[xr.Dataset, float]:
+def _solve(
+    case: Case, folder: StudyFolder, comm: Any, neighbours: Neighbours | NoNeighbours
+) -> tuple[xr.Dataset, float]:
     """Return the result of a case, and the seconds that an earlier start spent on it.
 
     It goes on from the milestones of an earlier start, if they can be used.
@@ -74,7 +84,7 @@ def _solve(case: Case, folder: StudyFolder, comm: Any) -> tuple[xr.Dataset, floa
         remove_leftovers(file)
     compute = partial(solve, case.specimen, case.solver, case.settings, comm=comm, output=file)
     if not file.exists():
-        return compute(), 0.0
+        return neighbours.solve(case, compute), 0.0
     try:
         before = _seconds_in(file)
         return compute(resume=file), before

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
+from functools import cache
 
 from bilayer.runtime.temporary_folder import (
     LONGEST_FOR_SOCKETS,
@@ -22,6 +23,7 @@ from bilayer.runtime.termination import signals_put_off
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
+from bilayer.study.neighbours import Neighbours
 
 DIED = "the process that computed it died: a crash in a compiled library, or killed from outside"
 
@@ -74,7 +76,7 @@ def compute_in_processes(
             while waiting and next_starts():
                 case = waiting.popleft()
                 worker = idle.pop() if idle else workers.enter_context(_worker(folder))
-                running[worker.submit(compute_case, case, folder)] = worker, case
+                running[worker.submit(_compute, case, folder)] = worker, case
             while idle:
                 idle.pop().shutdown()  # nothing fits beside what runs: give its memory back
             for future in wait(running, return_when=FIRST_COMPLETED).done:
@@ -111,6 +113,16 @@ def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
     context = multiprocessing.get_context("forkserver")  # not from this process, which may use MPI
     context.set_forkserver_preload([__name__])
     return ProcessPoolExecutor(1, context, initializer=_begin_work, initargs=(folder,))
+
+
+def _compute(case: Case, folder: StudyFolder) -> None:
+    """Compute a case in a worker, beside those that it has computed before."""
+    compute_case(case, folder, neighbours=_neighbours_of_this_process())
+
+
+@cache
+def _neighbours_of_this_process() -> Neighbours:
+    return Neighbours()
 
 
 def _begin_work(folder: StudyFolder) -> None:

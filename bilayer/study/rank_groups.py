@@ -14,6 +14,7 @@ from bilayer.runtime.petsc import start_petsc
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
+from bilayer.study.neighbours import Neighbours
 
 Prepared = TypeVar("Prepared")
 
@@ -52,11 +53,12 @@ def compute_on_ranks(
     group = world.Split(world.Get_rank() // ranks_per_case, world.Get_rank())
     queue = Counter(comm=world)
     failure: BilayerError | None = None
+    neighbours = Neighbours()
     while failure is None:
         place = group.bcast(queue.next() if group.Get_rank() == 0 else None)
         if place >= len(cases):
             break
-        failure = _first_error_of_group(group, cases[place], folder)
+        failure = _first_error_of_group(group, cases[place], folder, neighbours)
         told(cases[place])
     _wait_for_all(world)
     failures = [error for error in world.allgather(failure) if error is not None]
@@ -102,11 +104,13 @@ def _wait_for_all(world: Any) -> None:
         time.sleep(0.02)
 
 
-def _first_error_of_group(group: Any, case: Case, folder: StudyFolder) -> BilayerError | None:
+def _first_error_of_group(
+    group: Any, case: Case, folder: StudyFolder, neighbours: Neighbours
+) -> BilayerError | None:
     """Compute a case; return the error that the first rank of the group met in keeping it."""
     failure = None
     try:
-        compute_case(case, folder, group)
+        compute_case(case, folder, group, neighbours)
     except BilayerError as error:
         failure = error
     met: BilayerError | None = group.bcast(failure)

@@ -1,6 +1,6 @@
 """The opening of a shell's load path, flat or at a start, from a specimen and settings."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -10,7 +10,13 @@ from bilayer.contact.package import contact_is_installed
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import result_mesh
-from bilayer.results.starting import FLAT_START, describe_run, describe_start, starting_shape
+from bilayer.results.starting import (
+    FLAT_START,
+    Neighbour,
+    describe_run,
+    describe_start,
+    starting_shape,
+)
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.solvers.run import solve_with
@@ -105,17 +111,19 @@ def open_shell_path(
                 "start = a result: the paper's model runs each milestone from flat, expected none"
             )
         return PaperPath(specimen, mesh, settings)
+    if isinstance(start, Neighbour):
+        return _shell_path(specimen, mesh, settings, _led_all_the_way(start.result, mesh))
     made = start(mesh) if callable(start) else start
     if made is None:
         begin = partial(coarse.beginning, specimen, mesh, settings)
     else:
         starting_shape(made, mesh, UNSTRETCHED)  # raises now if it does not fit
         begin = partial(_led_by, made, mesh)
-    return _shell_path(specimen, mesh, settings, begin)
+    return _shell_path(specimen, mesh, settings, [begin])
 
 
 def _shell_path(
-    specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings, begin: Begin
+    specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings, begins: Sequence[Begin]
 ) -> ShellPath:
     models_contact = settings.contact == "barrier" and contact_is_installed()
     contact = ContactLimits(settings.contact_range) if models_contact else None
@@ -136,7 +144,7 @@ def _shell_path(
         path = DynamicPath(shell, motion, limits, solver, branch)
     else:
         path = StaticPath(shell, limits, solver, branch)
-    return ShellPath(shell, solver, path, begin)
+    return ShellPath(shell, solver, path, begins)
 
 
 def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
@@ -149,3 +157,14 @@ def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
 def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: StretchPair) -> Beginning:
     """Return the shape of another result that leads to the first target."""
     return Beginning(starting_shape(start, mesh, target), describe_start(start))
+
+
+def _led_all_the_way(neighbour: xr.Dataset, mesh: PlanarMesh) -> list[Begin]:
+    """Return the shapes of a neighbour, each of which leads to the milestone of its place."""
+    starting_shape(neighbour, mesh, UNSTRETCHED)  # raises now if it does not fit
+    text = describe_start(neighbour)
+    return [partial(_led_to, shape, text) for shape in neighbour["position"].values]
+
+
+def _led_to(shape: Array, text: str, target: StretchPair) -> Beginning:
+    return Beginning(shape, text)

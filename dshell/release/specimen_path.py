@@ -162,8 +162,10 @@ class ShellPath:
         Of the shell.
     path : StaticPath
         How it goes from prestretch to prestretch.
-    begin : callable
-        Takes the first target and returns the `Beginning`; called when the path is asked for it.
+    begins : sequence of callable
+        The first takes the first target and returns the `Beginning`; called when the path is asked
+        for it. Further ones do the same for further targets: their shapes lead to them, and not the
+        equilibrium before.
     """
 
     comm = None
@@ -173,11 +175,12 @@ class ShellPath:
         shell: SpecimenShell,
         solver: EquilibriumSolver,
         path: StaticPath[StretchPair],
-        begin: Begin,
+        begins: Sequence[Begin],
     ) -> None:
         self.mesh = shell.mesh
         self._shell, self._solver, self._path = shell, solver, path
-        self._begin: Begin | None = begin
+        self._begins = list(begins)
+        self._is_begun = False
         self.start = FLAT_START
         self.versions = VERSIONS
         if shell.contact(shell.unloaded) is not None:
@@ -185,19 +188,20 @@ class ShellPath:
 
     def approach(self, target: StretchPair) -> Iterator[ShellEquilibrium]:
         """Go to a prestretch; see `Path`."""
-        if self._begin is not None:
-            beginning, self._begin = self._begin(target), None
-            self._begin_with(beginning, target)
+        if self._begins:
+            self._begin_with(self._begins.pop(0)(target), target)
         for found in self._path.approach(target):
             yield self._equilibrium(found)
 
     def _begin_with(self, beginning: Beginning, target: StretchPair) -> None:
-        """Go to the equilibrium near the first shape, or stay flat."""
-        self.start = beginning.text
+        """Go to the equilibrium near a shape, or stay where the path is: flat, at first."""
+        first, self._is_begun = not self._is_begun, True
+        if first:
+            self.start = beginning.text
         if beginning.shape is None:
             return
         guess = self._shell.state_near(beginning.shape, target)
-        if not self._path.begin_near(guess, target, START_ITERATIONS):
+        if not self._path.begin_near(guess, target, START_ITERATIONS) and first:
             self.start = f"{FLAT_START}, because what was to start it led nowhere: {self.start}"
 
     def stopped(self) -> ShellEquilibrium:
@@ -225,7 +229,7 @@ class ShellPath:
                 None if modes == NOT_COUNTED else modes,
             )
         )
-        self._begin, self.start = None, str(saved["start"])
+        self._begins, self._is_begun, self.start = [], True, str(saved["start"])
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the contact by milestone; an empty dataset if contact is not modelled."""

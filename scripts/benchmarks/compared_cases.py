@@ -25,7 +25,7 @@ STUDY = """\
 specimen = "specimen.toml"
 solver = "dshell"
 [vary]
-"cut.cutout_angle" = { start = 0.2, stop = 0.4, num = 6 }
+"cut.cutout_angle" = { start = 0.3, stop = 0.4, num = 6 }
 "kirigami.thickness" = { start = 0.0008, stop = 0.0012, num = 10 }
 "prestretch.milestones" = [1.06, 1.15]
 """
