@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.contact.barrier import Barrier, BarrierState
+from bilayer.contact.several import SkinBarrier, SkinBarrierState
 from bilayer.contact.skin_map import SkinMap
 from bilayer.geometry.surface import Surface
 
@@ -40,7 +40,7 @@ class Touching:
     crosses: bool
 
 
-def measure_touching(skin: SkinMap, barrier: Barrier, state: BarrierState) -> Touching:
+def measure_touching(skin: SkinMap, barrier: SkinBarrier, state: SkinBarrierState) -> Touching:
     """Return how a body touches itself.
 
     Each point's force is shared by the skin's triangles around it as their areas are.
@@ -49,7 +49,7 @@ def measure_touching(skin: SkinMap, barrier: Barrier, state: BarrierState) -> To
     ----------
     skin, barrier
         The skin, and what keeps its places apart.
-    state : BarrierState
+    state : SkinBarrierState
         The barrier where the body is.
     """
     forces = np.linalg.norm(state.gradient, axis=1)

@@ -1,4 +1,4 @@
-"""Contact of a shell with itself: the barrier between the places of its skin, by the shell's state.
+"""Contact of a shell with itself or with obstacles: barriers of its skin, by the shell's state.
 
 See `bilayer.contact.skin_map` for the skin and `bilayer.contact.barrier` for the barrier.
 """
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from bilayer.contact.barrier import Barrier, BarrierState
+from bilayer.contact.several import SkinBarrier, SkinBarrierState
 from bilayer.contact.skin_map import SkinMap
 
 Array = NDArray[np.float64]
@@ -18,20 +18,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SkinContact:
-    """The contact of a shell with itself.
+    """The contact of a shell.
 
     Parameters
     ----------
     skin : SkinMap
         The body's skin over the shell's surface.
-    barrier : Barrier
-        Of that skin.
+    barrier : SkinBarrier
+        Of that skin, against itself or anything else.
     nodes : int
         Nodes of the surface, whose coordinates the state begins with.
     """
 
     skin: SkinMap
-    barrier: Barrier
+    barrier: SkinBarrier
     nodes: int
 
     def at(self, state: Array) -> "TouchingSkin":
@@ -75,7 +75,7 @@ class TouchingSkin:
         self._surface = contact.surface(state)
 
     @cached_property
-    def barrier(self) -> BarrierState:
+    def barrier(self) -> SkinBarrierState:
         """The barrier."""
         return self._contact.barrier.at(self._contact.skin.points(self._surface))
 

@@ -15,6 +15,7 @@ from bilayer import LinearElastic, PlanarMesh
 from bilayer.solvers.path import follow_path
 from dshell.energies.assembly import Energy
 from dshell.energies.morley_faces import MorleyFaces
+from dshell.energies.skin_contact import SkinContact
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
 from dshell.release.branches import NextEquilibriumRule
@@ -45,6 +46,8 @@ class Problem:
     load: Array
     more: Sequence[Energy] = ()
     """Energies beside that of the faces, such as a moment's."""
+    contact: SkinContact | None = None
+    """What the shell is kept off."""
 
     unloaded: Share = (0.0,)
     least_force = 0.0
@@ -60,7 +63,7 @@ class Problem:
 
     def body(self, share: Share) -> Body:
         """The shell under a share of its load."""
-        return Body(self.energies, share[0] * self.load)
+        return Body(self.energies, share[0] * self.load, self.contact)
 
     def path(
         self, tolerance: float = 1e-9, longest_step: float = 1.0, iterations: int = 60

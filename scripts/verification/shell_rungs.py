@@ -1,5 +1,6 @@
 """The ladder of the discrete shells: every case with its reference and tolerance."""
 
+import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,6 +19,7 @@ from dshell.models.paper_rest_state import rest_state
 from verification import (
     bilayers,
     cantilevers,
+    contacts,
     derivatives,
     flowers,
     hinge_lattice,
@@ -271,6 +273,30 @@ def against_finite_elements() -> Iterator[Check]:
         yield Check(f"prestretch {stretch:g}: rms / R", float(distance), 0.0, tolerance, 1.0)
 
 
+def folded_strip() -> Iterator[Check]:
+    for cells, tolerance in ((60, 0.01), (120, 0.005)):
+        fold = contacts.fold_between_planes(cells)
+        case = f"{cells} cells along"
+        yield Check(f"{case}: F h^2 / B", fold.force, contacts.FOLD_FORCE, tolerance)
+        yield Check(f"{case}: difference of the planes' forces / F", fold.balance, 0, 1e-8, 1.0)
+        yield Check(f"{case}: smallest gap / range", fold.gap, math.nan)
+
+
+def strip_on_a_plane() -> Iterator[Check]:
+    lifted = contacts.lifted_strip(60)
+    yield Check("pull at the lifted end / (w l / 2)", lifted.pull, 1.0, 0.01)
+    yield Check("weight less plane and end / weight", lifted.balance, 0.0, 1e-8, 1.0)
+    yield Check("smallest gap / range", lifted.gap, math.nan)
+
+
+def plates_on_a_plane() -> Iterator[Check]:
+    stack = contacts.pressed_plates(8)
+    yield Check("force between the plates / load", stack.between, 1.0, 1e-8)
+    yield Check("force on the plane / load", stack.below, 1.0, 1e-8)
+    yield Check("places that pass through each other", float(stack.crosses), 0.0, 0.0, 1.0)
+    yield Check("smallest gap / range", stack.gap, math.nan)
+
+
 def every_law() -> Iterator[Check]:
     for name, case in LAW_CASES.items():
         for stretch in STRETCHES:
@@ -389,6 +415,24 @@ TESTED_RUNGS = (
         "rms distance of the interfaces after rigid alignment, on the mesh of the finite-element "
         "result that `scripts/reproduce` keeps (results/paper/fenics.nc).",
         against_finite_elements,
+    ),
+    Rung(
+        20, MORLEY, "Strip folded between two rigid planes",
+        "Contact with planes, without friction; elastica (two-point bend of Matthewson, Kurkjian "
+        "and Gulati 1986): F h^2 / B = 2 I^2 = 2.871, h the height of the mid-line, B and F for "
+        "each width.",
+        folded_strip,
+    ),
+    Rung(
+        20, MORLEY, "Heavy strip on a rigid plane, one end lifted",
+        "Beam theory: B d = w l^4 / 24 gives the lifted length l, and the pull is w l / 2.",
+        strip_on_a_plane,
+    ),
+    Rung(
+        20, MORLEY, "Two plates pressed onto each other and onto a rigid plane",
+        "Contact of the skins of two plates of different meshes under a dead pressure: forces in "
+        "balance.",
+        plates_on_a_plane,
     ),
     Rung(
         24, MORLEY, "Homogeneous states of every law",
