@@ -1,14 +1,16 @@
 """The verb `convert`: the shapes of a result in the formats of other programs."""
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.mesh.files import check_mesh_output
+from bilayer.mesh.planar_files import WITH_LAYERS
 from bilayer.results.conversion import convert, convert_milestones, milestone_names
 from bilayer.results.files import open_result
-from bilayer.runtime.terminal import one_line, say
+from bilayer.runtime.terminal import one_line, say, tell
 
 
 def add(verbs: Any) -> None:
@@ -36,6 +38,7 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     check_output(options, check_mesh_output)
     result = open_result(options.result)
+    _tell_what_is_left_out(options)
     if options.all:
         check_output(options, check_mesh_output, milestone_names(result, options.output))
         for path in convert_milestones(result, options.output, options.part):
@@ -43,3 +46,14 @@ def run(options: argparse.Namespace) -> int:
     else:
         convert(result, options.output, options.prestretch, options.part)
     return 0
+
+
+def _tell_what_is_left_out(options: argparse.Namespace) -> None:
+    """Say so if the format holds no numbers beside the shape."""
+    ending = Path(options.output).suffix.lower()
+    if ending not in WITH_LAYERS and not options.quiet:
+        left_out = "which layers lie where" if options.part == "midsurface" else "the layers"
+        tell(
+            f"bilayer: {options.output}: {ending} holds the shape without {left_out}; "
+            f"{', '.join(WITH_LAYERS)} hold both"
+        )

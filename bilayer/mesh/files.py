@@ -29,6 +29,8 @@ NOT_OF_TRIANGLES = (".ele", ".node", ".f3grid", ".svg", ".wkt")
 """Endings that meshio does not read triangles from; at some it never ends."""
 
 
+WRITTEN_WRONG = (".cgns", ".dgf", ".su2")
+"""Endings of formats that meshio writes so that they cannot be read."""
 WITH_COMPANION = (".xdmf", ".xmf")
 """Endings of formats that keep the numbers in an .h5 file of the same name."""
 SHORTEST_TIME, BYTES_PER_SECOND = 10.0, 1e6
@@ -89,8 +91,9 @@ def check_mesh_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> No
 
     target = check_writable(path, inputs)
     ending = Path(path).suffix.lower()
-    if ending not in meshio.extension_to_filetypes:
-        known = ", ".join(sorted(meshio.extension_to_filetypes))
+    endings = sorted(set(meshio.extension_to_filetypes).difference(WRITTEN_WRONG))
+    if ending not in endings:
+        known = ", ".join(endings)
         raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
     companion = target.with_name(Path(path).name).with_suffix(".h5")
     if ending in WITH_COMPANION and companion.exists() and not target.exists():

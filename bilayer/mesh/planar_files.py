@@ -28,7 +28,7 @@ PLANE_TOLERANCE = 1e-9
 WITH_LAYERS = (".msh", ".vtu", ".vtk", ".xdmf", ".xmf", ".med", ".hmf", ".dat", ".tec", ".xml")
 """Endings of the formats that hold which layers lie on each triangle."""
 TRIANGLES_ALONE = (
-    ".avs", ".dato", ".dgf", ".e", ".ex2", ".exo", ".inp", ".mdpa", ".mesh", ".meshb", ".obj",
+    ".avs", ".dato", ".e", ".ex2", ".exo", ".inp", ".mdpa", ".mesh", ".meshb", ".obj",
     ".off", ".ply", ".post", ".stl", ".vol",
 )  # fmt: skip
 """Endings of those that hold points and triangles, so that all layers lie everywhere."""

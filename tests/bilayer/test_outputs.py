@@ -325,6 +325,24 @@ def test_the_numbers_of_another_file_are_not_replaced_by_a_companion(folder, cap
         assert main(["mesh", "s.toml", "-o", "b.xdmf", "--quiet"]) == 0
 
 
+def test_a_format_that_leaves_out_the_layers_of_a_shape_says_so(folder, capsys):
+    for ending, told in {
+        "stl": True,
+        "obj": True,
+        "inp": True,
+        "vtu": False,
+        "xdmf": False,
+    }.items():
+        assert main(["convert", "r.nc", "-o", f"shape.{ending}"]) == 0
+        lines = capsys.readouterr().err.splitlines()
+        assert (
+            f".{ending} holds the shape without which layers lie where" in "".join(lines)
+        ) is told
+        assert len(lines) == told
+    assert main(["convert", "r.nc", "-o", "shape.stl", "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_a_study_in_place_of_a_file_is_refused(folder, capsys):
     for output in ("s.toml", "s.toml/below"):
         assert "study folder" in refusal(["study", "study.toml", "--quiet"], output, capsys)

@@ -123,7 +123,7 @@ def test_centres_of_circles_in_gmsh_files_are_left_out(tmp_path):
 
 
 HOLDS_LAYERS = ["msh", "vtu", "vtk", "xdmf", "xmf", "med", "hmf", "dat", "tec", "xml", "VTU"]
-TRIANGLES_ALONE = ["inp", "stl", "ply", "obj", "off", "mesh", "exo", "vol", "avs", "dgf", "mdpa"]
+TRIANGLES_ALONE = ["inp", "stl", "ply", "obj", "off", "mesh", "exo", "vol", "avs", "mdpa"]
 
 
 @pytest.mark.parametrize("ending", HOLDS_LAYERS)
@@ -143,6 +143,13 @@ def test_formats_that_cannot_hold_the_layers_are_refused(tmp_path, ending):
     whole = PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], [1, 1])
     write_planar_mesh(whole, tmp_path / f"mesh.{ending}")
     assert read_planar_mesh(tmp_path / f"mesh.{ending}").areas.sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("ending", ["cgns", "dgf", "su2"])
+def test_formats_that_come_out_wrong_are_not_written(tmp_path, ending):
+    whole = PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], [1, 1])
+    with pytest.raises(InputError, match="cannot be written, expected an ending of"):
+        write_planar_mesh(whole, tmp_path / f"mesh.{ending}")
 
 
 @pytest.mark.parametrize("ending", ["ele", "node", "wkt", "svg", "f3grid"])
