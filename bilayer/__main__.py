@@ -5,7 +5,7 @@ import sys
 from bilayer.cli.interrupted import tell_interruption
 from bilayer.runtime.surroundings import keep_surroundings_out
 from bilayer.runtime.temporary_folder import take_usable_temporary_folder
-from bilayer.runtime.terminal import open_standard_streams
+from bilayer.runtime.terminal import open_standard_streams, tell
 from bilayer.runtime.termination import signals_put_off, termination_as_ctrl_c
 
 
@@ -25,6 +25,9 @@ def main() -> int:
             return run_verb()
     except KeyboardInterrupt as interrupt:
         return tell_interruption(interrupt)
+    except (ImportError, MemoryError, OSError) as error:  # a library is not there, or no memory
+        tell(f"bilayer: error: {error or type(error).__name__}")
+        return 1
 
 
 if __name__ == "__main__":

@@ -37,7 +37,11 @@ class ComputationError(BilayerError, RuntimeError):
     """A computation or the writing of its result failed; the text says where and why."""
 
 
-class NotWrittenError(ComputationError):
+class MachineError(ComputationError):
+    """What keeps a computation from its end is the machine: mended, or elsewhere, it may go on."""
+
+
+class NotWrittenError(MachineError):
     """A file could not be written, for example on a full disk."""
 
 

@@ -101,6 +101,7 @@ OPENERS = {
     "bilayer.runtime.terminal": "/dev/null",
     "bilayer.runtime.child_process": "/dev/null",
     "bilayer.runtime.version": "of the installed package",
+    "bilayer.runtime.memory": "of the system: the limits of a control group",
     "bilayer.specimen.toml": "of the installed package",
     "bilayer.viewer.page": "of the installed package",
     "bilayer.results.netcdf": "behind the gate",

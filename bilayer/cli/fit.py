@@ -10,6 +10,7 @@ from bilayer.fitting.fit import Fit, fit
 from bilayer.fitting.laws import FITTED
 from bilayer.fitting.measurement import Measurement, read_measurement
 from bilayer.fitting.report import comparison_table, fit_report
+from bilayer.runtime.terminal import say
 from bilayer.specimen.layer import layer_name
 from bilayer.validation import positive
 
@@ -54,14 +55,13 @@ def run(options: argparse.Namespace) -> int:
     measurements = _measurements(options)
     if options.law == ALL:
         fits = _fits(measurements, options)
-        print(comparison_table(fits))
-        print()
+        say(comparison_table(fits), end="\n\n")
         best = min(fits, key=lambda found: found.aicc)
     else:
         best = _fit(measurements, options.law, options, not options.no_bounds)
         fits = [best]
     free = None if options.no_bounds else _fit(measurements, best.law_name, options, False)
-    print(fit_report(best, free, name))
+    say(fit_report(best, free, name))
     if options.output is not None:
         from bilayer.figures import save_figure  # matplotlib takes half a second
         from bilayer.figures.fit import draw_fits

@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return status
     except BilayerError as error:
         return _fail(error, options, 2 if isinstance(error, InputError) else 1)
-    except MemoryError as error:
+    except (MemoryError, ImportError) as error:  # of the machine
         return _fail(error, options, 1)
     except KeyboardInterrupt as interrupt:
         return tell_interruption(interrupt)

@@ -11,13 +11,13 @@ from bilayer.errors import InputError
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
+from bilayer.runtime.system import available_cores
 from bilayer.runtime.terminal import one_line, say, tell
 from bilayer.study.estimate import estimate, estimate_text
 from bilayer.study.folder import StudyFolder
 from bilayer.study.index import read_index
 from bilayer.study.memory import first_at_once, separate_by_memory
 from bilayer.study.plan import StudyPlan, read_study
-from bilayer.study.processes import available_cores
 from bilayer.study.records import CASE_DONE, CASE_LACKS_MEMORY
 from bilayer.study.run import cases_to_compute, run_one_case, run_study, run_study_on_ranks
 from bilayer.validation import whole

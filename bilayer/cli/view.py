@@ -8,6 +8,7 @@ from typing import Any
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
+from bilayer.runtime.terminal import one_line, say
 
 
 def add(verbs: Any) -> None:
@@ -34,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     other = None if options.other is None else open_result(options.other)
     view(open_result(options.result), other, Path(options.result).stem).save(output)
     if not options.quiet:
-        print(output)
+        say(one_line(output))
     if not options.no_open:
         webbrowser.open_new_tab(output.resolve().as_uri())
     return 0

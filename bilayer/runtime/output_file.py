@@ -16,6 +16,7 @@ from pathlib import Path
 
 from bilayer.errors import InputError, NotWrittenError
 from bilayer.runtime.input_file import DESCRIPTORS, kind_of
+from bilayer.runtime.system import reserve_room
 
 HDF5_ROOM = 2**16
 """Bytes that an HDF5 file may take beside its data, uncompressed."""
@@ -120,7 +121,7 @@ def _check_room(folder: Path, size: int) -> None:
     """Raise OSError unless a file of this size can be made in the folder."""
     if size > 0:
         with tempfile.TemporaryFile(dir=folder) as trial:
-            os.posix_fallocate(trial.fileno(), 0, size)
+            reserve_room(trial.fileno(), size)
 
 
 def remove_leftovers(path: str | Path) -> None:

@@ -11,8 +11,9 @@ from typing import Any
 
 import xarray as xr
 
-from bilayer.errors import InputError, NotEnoughMemoryError, NotResumableError, NotWrittenError
+from bilayer.errors import InputError, MachineError, NotResumableError
 from bilayer.results.files import open_result
+from bilayer.runtime.machine_faults import is_of_the_machine, lacks_memory, tells_of_memory
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.solvers.registry import solve, solver_named
 from bilayer.study.case import Case
@@ -43,8 +44,9 @@ def compute_case(
 
     Raises
     ------
-    NotWrittenError
-        The folder cannot be written, for example on a full disk; the case stays to be computed.
+    MachineError
+        The folder cannot be written, for example on a full disk, or a library or a compiler of the
+        machine fails; the case stays to be computed.
     """
     first = comm is None or comm.Get_rank() == 0
     if not (first or solver_named(case.solver).parallel):
@@ -54,21 +56,35 @@ def compute_case(
     start = time.perf_counter()
     try:
         result, before = _solve(case, folder, comm, neighbours or NoNeighbours())
-    except NotWrittenError as error:
-        if first:
-            folder.log_not_written(case, error)
-        raise
     except Exception as error:
         if first:
-            lacks_memory = isinstance(error, (NotEnoughMemoryError, MemoryError))
-            status = CASE_LACKS_MEMORY if lacks_memory else CASE_FAILED
-            reason = f"{type(error).__name__}: {error}"
-            folder.keep_failure(case, reason, traceback.format_exc(), status)
+            _keep_error(case, folder, error)
+        elif isinstance(error, MachineError):
+            raise
         return
-    if first:
+    if first and tells_of_memory(str(result.attrs["stop_reason"])):
+        folder.keep_failure(case, result.attrs["stop_reason"], status=CASE_LACKS_MEMORY)
+    elif first:
         folder.keep_result(case, result, before + time.perf_counter() - start)
     for other in [] if neighbours is None else neighbours.withdrawn():
         compute_case(other, folder, comm)
+
+
+def _keep_error(case: Case, folder: StudyFolder, error: Exception) -> None:
+    """Record what a case has failed by, or raise MachineError if the case is not to blame."""
+    reason = f"{type(error).__name__}: {error}"
+    if lacks_memory(error):
+        folder.keep_failure(case, reason, traceback.format_exc(), CASE_LACKS_MEMORY)
+    elif is_of_the_machine(error):
+        folder.log_not_written(case, error)
+        if isinstance(error, MachineError):
+            raise error
+        raise MachineError(
+            f"case {case.identity} ({case}): {reason}; the machine is to be mended, the next start "
+            "goes on"
+        ) from error
+    else:
+        folder.keep_failure(case, reason, traceback.format_exc(), CASE_FAILED)
 
 
 def _solve(

@@ -8,13 +8,12 @@ study.log             a line for every case begun and ended, by any process
 study.csv             the index, made anew from the files above
 """
 
-import fcntl
 import json
 import os
 import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,10 +25,12 @@ from bilayer.errors import ComputationError, InputError
 from bilayer.results.files import check_result_output, write_result
 from bilayer.runtime.input_file import read_text
 from bilayer.runtime.output_file import check_writable, remove_leftovers, whole_file
+from bilayer.runtime.system import lock_alone, lock_shared
 from bilayer.runtime.terminal import tell
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 from bilayer.study.records import (
+    CASE_DIED,
     CASE_FAILED,
     LARGEST_PLAN,
     NoResult,
@@ -40,6 +41,8 @@ from bilayer.study.records import (
 LOG_BEGUN, LOG_DONE, LOG_NOT_WRITTEN = "begun", "done", "not written"
 LOG_SET_ASIDE = "set aside"
 """Events in the log, beside the status of a case that has no result."""
+UNFINISHED = (LOG_BEGUN, CASE_DIED)
+"""Events, if they are the last ones, of cases that may bring a run down."""
 
 
 LOCK, WORKERS = ".lock", ".workers"
@@ -200,7 +203,7 @@ class StudyFolder:
             words = line.split("\t")
             if len(words) > 2:
                 last_event[words[2]] = words[1]
-        return {identity for identity, event in last_event.items() if event == LOG_BEGUN}
+        return {identity for identity, event in last_event.items() if event in UNFINISHED}
 
     def _log_lines(self) -> list[str]:
         """Return the lines of the log, none if it cannot be read."""
@@ -251,7 +254,7 @@ class StudyFolder:
             What is shown of it, in one line.
         trace : str
             Where in the program it was, for those who look for a fault there.
-        status : {"failed", "lacks memory"}
+        status : {"failed", "lacks memory", "died"}
             Whether later starts leave the case alone, see `NoResult`.
 
         Raises
@@ -298,7 +301,7 @@ class StudyFolder:
         ComputationError
             Another study is running in the folder.
         """
-        with self._hold_lock(LOCK, fcntl.LOCK_EX | fcntl.LOCK_NB) as held:
+        with self._hold_lock(LOCK, lock_alone) as held:
             if not held:
                 raise ComputationError(
                     f"study folder {self.path}: another study is running in it; end that one, "
@@ -310,13 +313,13 @@ class StudyFolder:
     @contextmanager
     def mark_as_working(self) -> Iterator[None]:
         """Mark this process, for as long as it lives, as one that writes into the folder."""
-        with self._hold_lock(WORKERS, fcntl.LOCK_SH):
+        with self._hold_lock(WORKERS, lock_shared):
             yield
 
     def _wait_for_workers(self) -> None:
         told = False
         while True:
-            with self._hold_lock(WORKERS, fcntl.LOCK_EX | fcntl.LOCK_NB) as free:
+            with self._hold_lock(WORKERS, lock_alone) as free:
                 if free:
                     return
             if not told:
@@ -325,17 +328,10 @@ class StudyFolder:
             time.sleep(0.2)
 
     @contextmanager
-    def _hold_lock(self, name: str, operation: int) -> Iterator[bool]:
+    def _hold_lock(self, name: str, take: Callable[[int], bool]) -> Iterator[bool]:
         """Hold a lock that ends with this process, whatever ends it; false if it is taken."""
         with (self.path / name).open("a") as lock:
-            try:
-                fcntl.flock(lock, operation)
-            except BlockingIOError:
-                yield False
-                return
-            except OSError:  # a file system without locks, as some of clusters: go on without
-                pass
-            yield True
+            yield take(lock.fileno())
 
 
 @contextmanager

@@ -32,8 +32,8 @@ def read_index(folder: StudyFolder) -> pd.DataFrame:
     DataFrame
         A row per case and milestone: the case's hash, solver, model, the varied values,
         `prestretch` (the larger of `prestretch_x` and `prestretch_y`), `status` (done, stopped
-        early, unfinished, failed, lacks memory, missing), scalars of the result in SI units, the
-        `reason` if something is missing, what made it, and the timings.
+        early, unfinished, failed, lacks memory, died, missing), scalars of the result in SI units,
+        the `reason` if something is missing, what made it, and the timings.
     """
     planned = folder.read_plan()
     kept = [folder.kept_file(entry["case"]) for entry in planned["cases"]]

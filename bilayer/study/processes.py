@@ -15,6 +15,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from functools import cache
 
+from bilayer.runtime.system import process_context
 from bilayer.runtime.temporary_folder import (
     LONGEST_FOR_SOCKETS,
     take_usable_temporary_folder,
@@ -24,13 +25,9 @@ from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
 from bilayer.study.neighbours import Neighbours
+from bilayer.study.records import CASE_DIED
 
 DIED = "the process that computed it died: a crash in a compiled library, or killed from outside"
-
-
-def available_cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def compute_in_processes(
@@ -85,7 +82,7 @@ def compute_in_processes(
                     future.result()
                     idle.append(worker)
                 except BrokenProcessPool:
-                    folder.keep_failure(case, DIED)
+                    folder.keep_failure(case, DIED, status=CASE_DIED)
                 told(case)
 
 
@@ -110,8 +107,9 @@ def _ended_by_ctrl_c(
 
 def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
     take_usable_temporary_folder(LONGEST_FOR_SOCKETS)
-    context = multiprocessing.get_context("forkserver")  # not from this process, which may use MPI
-    context.set_forkserver_preload([__name__])
+    context = process_context()
+    if context.get_start_method() == "forkserver":
+        context.set_forkserver_preload([__name__])
     return ProcessPoolExecutor(1, context, initializer=_begin_work, initargs=(folder,))
 
 

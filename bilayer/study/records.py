@@ -11,7 +11,9 @@ from bilayer.solvers.registry import SOLVERS
 from bilayer.validation import listed, one_of, positive, text
 
 CASE_DONE, CASE_FAILED, CASE_LACKS_MEMORY = "done", "failed", "lacks memory"
-"""Status of a case."""
+CASE_DIED = "died"
+"""Status of a case; its process died, by a limit of the machine or a crash, if it is the last."""
+NO_RESULT = (CASE_FAILED, CASE_LACKS_MEMORY, CASE_DIED)
 IDENTITY = re.compile(r"[0-9a-f]{16}")
 """The hash of a case, which is a part of the names of its files."""
 LARGEST_PLAN = 2**28
@@ -24,8 +26,9 @@ class NoResult:
 
     Parameters
     ----------
-    status : {"failed", "lacks memory"}
-        A case that failed is left alone by later starts; one that lacked memory is not.
+    status : {"failed", "lacks memory", "died"}
+        A case that failed is left alone by later starts. For the others the machine may be to
+        blame, so they are computed again.
     reason : str
         In one line.
     """
@@ -43,7 +46,7 @@ def failure_from(record: str) -> NoResult:
         It is none.
     """
     content = _mapping("the record", _parsed(record))
-    status = one_of("status", content.get("status", CASE_FAILED), (CASE_FAILED, CASE_LACKS_MEMORY))
+    status = one_of("status", content.get("status", CASE_FAILED), NO_RESULT)
     return NoResult(status, " ".join(text("reason", content.get("reason")).split()))
 
 

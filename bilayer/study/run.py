@@ -9,6 +9,7 @@ import pandas as pd
 from bilayer.errors import InputError
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
+from bilayer.runtime.system import available_cores
 from bilayer.study.case import Case
 from bilayer.study.compute import compute_case
 from bilayer.study.damage import set_aside_cases, set_aside_plan, set_aside_strange
@@ -16,7 +17,7 @@ from bilayer.study.folder import StudyFolder
 from bilayer.study.index import CASE_STOPPED, read_index, write_index
 from bilayer.study.memory import memory_note, separate_by_memory
 from bilayer.study.plan import StudyPlan
-from bilayer.study.processes import available_cores, compute_in_processes
+from bilayer.study.processes import compute_in_processes
 from bilayer.study.rank_groups import compute_on_ranks, prepare_on_first_rank
 from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
 

@@ -1,10 +1,25 @@
-"""Options of the just-in-time compiler of the forms.
+"""The compiled forms: how they are compiled, and where they are kept.
 
 The sums of the kernels may be added up in any order, which lets the compiler compute several terms
 at once; infinities and NaNs, which tell of elements turned inside out, stay what they are. Options
 for the machine at hand (-march=native) gain little more and would keep the compiled forms from
 being used by every machine that shares a home folder.
+
+dolfinx and FFCx would also read options from files of the user and of the current folder, and a
+result would not tell of them. All options are given here, and these take precedence.
 """
+
+import os
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import ffcx.options
+from dolfinx import fem
+
+from bilayer.errors import MachineError
+from bilayer.runtime.system import user_number
 
 SUMS_IN_ANY_ORDER = [
     "-fassociative-math",
@@ -14,7 +29,81 @@ SUMS_IN_ANY_ORDER = [
     "-fno-math-errno",
 ]
 
-JIT_OPTIONS = {
+JIT_OPTIONS: dict[str, Any] = {
     "cffi_extra_compile_args": ["-O2", *SUMS_IN_ANY_ORDER, "-g0"],
+    "cffi_debug": False,
+    "cffi_verbose": False,
+    "cffi_libraries": None,
     "timeout": 600,  # s, for the rank that compiles; the default of 10 s is less than it takes
 }
+
+
+def compiled_form(integral: Any) -> Any:
+    """Return a form of dolfinx, compiled or as it is kept from an earlier run.
+
+    Parameters
+    ----------
+    integral : ufl.Form
+        What is to be integrated.
+
+    Raises
+    ------
+    MachineError
+        A file of options of dolfinx or FFCx cannot be read.
+    """
+    jit_options = JIT_OPTIONS | {"cache_dir": folder_of_forms()}
+    try:
+        return fem.form(integral, form_compiler_options=_form_options(), jit_options=jit_options)
+    except ValueError as error:
+        if type(error).__name__ not in ("JSONDecodeError", "UnicodeDecodeError"):
+            raise
+        raise MachineError(
+            f"dolfinx_jit_options.json or ffcx_options.json, in the current folder or under "
+            f"~/.config, cannot be read ({error}); expected JSON, or no such file"
+        ) from error
+
+
+@cache
+def folder_of_forms() -> Path:
+    """Return the folder in which compiled forms are kept.
+
+    It is `fenics` in the user's cache folder, as that of dolfinx, or else, if nothing can be
+    written there, in a folder for temporary files that is the user's alone: code is loaded from it.
+
+    Raises
+    ------
+    MachineError
+        There is neither.
+    """
+    named = os.environ.get("XDG_CACHE_HOME", "")
+    usual = Path(named if Path(named).is_absolute() else Path.home() / ".cache") / "fenics"
+    own = Path(tempfile.gettempdir()) / f"bilayer-shells-{user_number()}"
+    try:
+        usual.mkdir(parents=True, exist_ok=True)
+        if os.access(usual, os.W_OK | os.X_OK):
+            return usual
+    except OSError:
+        pass
+    try:
+        own.mkdir(mode=0o700, exist_ok=True)
+        found = own.lstat()
+    except OSError as error:
+        raise MachineError(
+            f"the compiled forms cannot be kept in {usual} or {own} ({error.strerror}); set "
+            "XDG_CACHE_HOME to a folder that can be written"
+        ) from error
+    if found.st_uid != user_number() or found.st_mode & 0o077 or own.is_symlink():
+        raise MachineError(
+            f"the compiled forms cannot be kept in {usual}, and {own} is not this user's alone; "
+            "set XDG_CACHE_HOME to a folder that can be written"
+        )
+    return own
+
+
+def _form_options() -> dict[str, Any]:
+    """Return the options of FFCx without any file; the kind of scalar is set by dolfinx."""
+    return {
+        name: entry[1]
+        for name, entry in ffcx.options.FFCX_DEFAULT_OPTIONS.items()
+        if name != "scalar_type"
+    }

@@ -15,7 +15,7 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from bilayer.mesh.planar import PlanarMesh
-from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.api.jit import compiled_form
 from fenics_model.mesh.layered_mesh import EDGES
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
@@ -111,7 +111,7 @@ class Extrusion:
             pressure = -without / (with_one - without) / solid.pressure_scale
             sums[0] += pressure * weight * solid.dx(index)
             sums[1] += weight * solid.dx(index)
-        return [fem.form(integral, jit_options=JIT_OPTIONS) for integral in sums]
+        return [compiled_form(integral) for integral in sums]
 
 
 def bonded_heights(solid: Solid) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.api.jit import compiled_form
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import StrainEnergy, stress
@@ -139,7 +139,7 @@ class Solid:
 
     @staticmethod
     def _form(integral: Any) -> fem.Form:
-        return fem.form(integral, jit_options=JIT_OPTIONS)
+        return compiled_form(integral)
 
     @property
     def undeformed(self) -> State:

@@ -22,7 +22,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_model.api.jit import JIT_OPTIONS
+from fenics_model.api.jit import compiled_form
 from fenics_model.solid.unknown import Unknown, at_state
 
 
@@ -52,7 +52,7 @@ class ExtrapolatedTangent:
         correction = sum(
             ufl.inner(self._extrapolated(stress) - stress, u.T * v) * dx for stress, dx in stresses
         )
-        self.form = fem.form(exact + correction, jit_options=JIT_OPTIONS)
+        self.form = compiled_form(exact + correction)
         self._latest: NDArray[np.float64] | None = None
 
     def _extrapolated(self, stress: Any) -> Any:

@@ -205,10 +205,10 @@ def test_a_process_that_dies_takes_only_its_case(study):
     os.kill(int(line[3].removeprefix("process ")), signal.SIGSEGV)
     _, told = running.communicate(timeout=120)
     assert running.returncode == 1
-    assert "failed: the process that computed it died" in told
-    assert log_lines(out, "failed") == [line[2]]
+    assert "died: the process that computed it died" in told
+    assert log_lines(out, "died") == [line[2]]
     assert len(log_lines(out, "done")) == 1
-    assert main([*words, "--retry-failed"]) == 0
+    assert main(words) == 0, "the machine may have been to blame"
     assert log_lines(out, "begun").count(line[2]) == 2
 
 
