@@ -1,6 +1,7 @@
 """Progress of a run on stderr: a bar on a terminal, a line from time to time in a log."""
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from bilayer.runtime.terminal import tell
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
 
+SECONDS_TO_FIRST_LINE = 10.0
 SECONDS_BETWEEN_LINES = 30.0
 """In a log; a run that takes less says nothing there."""
 
@@ -26,7 +28,8 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
         False shows nothing.
     """
     if shown and not sys.stderr.isatty():
-        yield _lines(title)
+        with _lines(title) as in_lines:
+            yield in_lines
         return
     from tqdm import tqdm
 
@@ -48,14 +51,27 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
         yield progress
 
 
-def _lines(title: str) -> Progress:
-    begin = last = time.monotonic()
+@contextmanager
+def _lines(title: str) -> Iterator[Progress]:
+    """Write lines from a thread of their own: one step of a run may take long."""
+    begin = time.monotonic()
+    latest = [0.0, "begun"]
+    ended = threading.Event()
 
     def progress(fraction: float, message: str) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if now - last >= SECONDS_BETWEEN_LINES:
-            last = now
-            tell(f"{title}: {fraction:.0%}, {message}, {now - begin:.0f} s")
+        latest[:] = fraction, message
 
-    return progress
+    def write_lines() -> None:
+        seconds = SECONDS_TO_FIRST_LINE
+        while not ended.wait(seconds):
+            fraction, message = latest
+            tell(f"{title}: {fraction:.0%}, {message}, {time.monotonic() - begin:.0f} s")
+            seconds = SECONDS_BETWEEN_LINES
+
+    writer = threading.Thread(target=write_lines, daemon=True)
+    writer.start()
+    try:
+        yield progress
+    finally:
+        ended.set()
+        writer.join()

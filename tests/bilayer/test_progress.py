@@ -1,25 +1,48 @@
-"""Progress where nobody looks: lines in a log, not too many."""
+"""Progress where nobody looks: lines in a log, not too many, also while a step takes long."""
+
+import time
+
+import pytest
 
 from bilayer.runtime import progress
 from bilayer.runtime.progress import progress_bar
 
 
-def test_a_log_gets_a_line_now_and_then(capsys, monkeypatch):
-    now = 0.0
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+@pytest.fixture
+def quickly(monkeypatch):
+    """A line after 0.1 s, and then every 0.2 s."""
+    monkeypatch.setattr(progress, "SECONDS_TO_FIRST_LINE", 0.1)
+    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.2)
+
+
+def test_a_log_gets_a_line_now_and_then(quickly, capsys):
     with progress_bar("dshell") as tell:
-        for percent in range(101):
-            now = float(percent)
-            tell(percent / 100, f"prestretch 1.{percent:02d}")
-    assert capsys.readouterr().err.splitlines() == [
-        "dshell: 30%, prestretch 1.30, 30 s",
-        "dshell: 60%, prestretch 1.60, 60 s",
-        "dshell: 90%, prestretch 1.90, 90 s",
-    ]
+        tell(0.30, "prestretch 1.30")
+        time.sleep(0.5)
+        for percent in range(40, 61):
+            tell(percent / 100, f"prestretch 1.{percent}")
+        time.sleep(0.3)
+    lines = [line.rpartition(", ")[0] for line in capsys.readouterr().err.splitlines()]
+    assert set(lines) == {"dshell: 30%, prestretch 1.30", "dshell: 60%, prestretch 1.60"}
+    assert 2 <= len(lines) <= 5
+    time.sleep(0.3)
+    assert capsys.readouterr().err == ""
 
 
-def test_quiet_is_quiet(capsys, monkeypatch):
-    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
+def test_a_step_that_takes_long_is_told(quickly, capsys):
+    with progress_bar("mesh"):
+        time.sleep(0.2)
+    assert capsys.readouterr().err.startswith("mesh: 0%, begun, 0 s\n")
+
+
+def test_a_run_that_ends_soon_says_nothing(capsys):
+    with progress_bar("dshell") as tell:
+        tell(0.5, "prestretch 1.03")
+    assert capsys.readouterr().err == ""
+
+
+def test_quiet_is_quiet(quickly, capsys):
     with progress_bar("dshell", shown=False) as tell:
         tell(0.5, "prestretch 1.03")
+        time.sleep(0.2)
     assert capsys.readouterr().err == ""
