@@ -14,6 +14,7 @@ from bilayer.mesh.files import check_mesh_output
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.mesh.planar_files import check_mesh_ending, write_planar_mesh
+from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.terminal import say, tell
 
 TITLE = "bilayer-shells mesh"
@@ -38,7 +39,8 @@ def run(options: argparse.Namespace) -> int:
     output = Path(options.output)
     specimen = read_specimen_argument(options, options.overrides)
     check_mesh_ending(output, not all(layer.is_whole for layer in specimen.layers))
-    mesh = generate_mesh(specimen)
+    with progress_bar("mesh", shown=not options.quiet):
+        mesh = generate_mesh(specimen)
     write_planar_mesh(mesh, output)
     _draw_beside(mesh, output, options)
     if not options.quiet:

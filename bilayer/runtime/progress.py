@@ -11,7 +11,7 @@ from bilayer.runtime.terminal import tell
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
 
-SECONDS_TO_FIRST_LINE = 10.0
+SECONDS_TO_FIRST_LINE = 15.0
 SECONDS_BETWEEN_LINES = 30.0
 """In a log; a run that takes less says nothing there."""
 
