@@ -114,10 +114,17 @@ def check_result(result: xr.Dataset) -> None:
 
 
 def check_scalars(stored: StoredGroup) -> None:
-    """Raise InputError unless a file of which only the scalars were read is a result's."""
+    """Raise InputError unless a file of which only the scalars were read is a result's.
+
+    Of the other variables it checks all but the values.
+    """
     check_attributes(stored.attributes)
-    scalars = [name for name in REQUIRED["variable"] if LAYOUTS[name].dims in SCALAR_DIMS]
-    _check_there(stored.variables, scalars, "variable")
+    _check_there(stored.headers, REQUIRED["variable"], "variable")
+    for name, (dims, shape, kind) in stored.headers.items():
+        if name in LAYOUTS:
+            _check_dims(name, dims, shape, LAYOUTS[name])
+            if LAYOUTS[name].kind != TEXT and 0 not in shape:
+                _check_type(name, kind, LAYOUTS[name].kind)
     check_variables({name: entry[:2] for name, entry in stored.variables.items()})
     for name, (_, _, attributes) in stored.variables.items():
         _check_texts(attributes, ("units", "long_name"), f"{name}: ")
@@ -151,7 +158,7 @@ def check_variables(variables: Mapping[str, tuple[Iterable[Any], Array]]) -> Non
     for name, (dims, values) in variables.items():
         layout = LAYOUTS.get(name)
         if layout is not None:
-            _check_dims(name, tuple(map(str, dims)), values, layout)
+            _check_dims(name, tuple(map(str, dims)), values.shape, layout)
             _check_kind(name, values, layout.kind)
             _check_range(name, values)
 
@@ -184,10 +191,10 @@ def _check_there(held: Iterable[Any], names: Iterable[str], part: str) -> None:
         raise InputError(f"the {part} {missing[0]!r} is missing")
 
 
-def _check_dims(name: str, dims: tuple[str, ...], values: Array, layout: Layout) -> None:
-    expected = [SIZES.get(dim, size) for dim, size in zip(dims, values.shape, strict=True)]
-    if dims != layout.dims or list(values.shape) != expected:
-        found = ", ".join(f"{dim}: {size}" for dim, size in zip(dims, values.shape, strict=True))
+def _check_dims(name: str, dims: tuple[str, ...], shape: tuple[int, ...], layout: Layout) -> None:
+    expected = [SIZES.get(dim, size) for dim, size in zip(dims, shape, strict=True)]
+    if dims != layout.dims or list(shape) != expected:
+        found = ", ".join(f"{dim}: {size}" for dim, size in zip(dims, shape, strict=True))
         wanted = ", ".join(f"{dim}: {SIZES[dim]}" if dim in SIZES else dim for dim in layout.dims)
         raise InputError(f"{name}: has the dimensions ({found}), expected ({wanted})")
 
@@ -195,14 +202,22 @@ def _check_dims(name: str, dims: tuple[str, ...], values: Array, layout: Layout)
 def _check_kind(name: str, values: Array, kind: str) -> None:
     if values.size == 0:
         return  # an empty list of texts comes back as numbers
-    if kind == TEXT:
-        good = values.dtype.kind in "US" or all(isinstance(v, str) for v in values.flat)
-    else:
-        good = values.dtype.kind in ("f" if kind == NUMBER else "fiu")
-    if not good:
-        raise InputError(f"{name}: holds values of the type {values.dtype}, expected {kind}")
+    if kind != TEXT:
+        _check_type(name, values.dtype, kind)
+    elif values.dtype.kind not in "US" and not all(isinstance(v, str) for v in values.flat):
+        raise _wrong_type(name, values.dtype, kind)
     if kind == WHOLE and values.dtype.kind == "f":
         _refuse(name, values, ~(np.isfinite(values) & (values == np.round(values))), kind)
+
+
+def _check_type(name: str, found: Any, kind: str) -> None:
+    """Raise InputError unless numpy's type is of a kind of numbers."""
+    if not isinstance(found, np.dtype) or found.kind not in ("f" if kind == NUMBER else "fiu"):
+        raise _wrong_type(name, found, kind)
+
+
+def _wrong_type(name: str, found: Any, kind: str) -> InputError:
+    return InputError(f"{name}: holds values of the type {found}, expected {kind}")
 
 
 def _check_range(name: str, values: Array) -> None:

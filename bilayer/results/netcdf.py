@@ -94,12 +94,15 @@ class StoredGroup:
         Of the group.
     sizes : mapping of str to int
         Of all its dimensions.
+    headers : mapping of str to tuple
+        For each name in it, also those whose values are not here: dimensions, shape and type.
     """
 
     variables: Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
     attributes: Mapping[str, Any]
 
     sizes: Mapping[str, int]
+    headers: Mapping[str, tuple[tuple[str, ...], tuple[int, ...], Any]]
 
     @classmethod
     def of(cls, group: netCDF4.Dataset, dims: Container[Any] | None = None) -> "StoredGroup":
@@ -122,6 +125,10 @@ class StoredGroup:
             },
             _attributes(group),
             {name: dimension.size for name, dimension in group.dimensions.items()},
+            {
+                name: (variable.dimensions, variable.shape, variable.dtype)
+                for name, variable in group.variables.items()
+            },
         )
 
     def decoded(self) -> xr.Dataset:

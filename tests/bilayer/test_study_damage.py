@@ -86,6 +86,8 @@ RESULTS = {
     "stop_reason a number": changed(lambda stored: stored.setncattr("stop_reason", 3)),
     "of no case": changed(lambda stored: stored.delncattr("study_case")),
     "of another case": changed(lambda stored: stored.setncattr("study_case", "0" * 16)),
+    "without position": changed(lambda stored: stored.renameVariable("position", "place")),
+    "odd face_nodes": changed(lambda stored: stored.renameDimension("corner", "edge")),
     "odd numbers": changed(lambda stored: stored["converged"].__setitem__(0, 9)),
     "fewer milestones": half_of_the_milestones,
     **NO_FILES,
