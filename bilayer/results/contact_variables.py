@@ -24,7 +24,7 @@ def contact_dataset(touching: Sequence[Touching | None], faces: int, count: int)
     rows = [*touching, *[None] * (count - len(touching))]
 
     def column(name: str) -> np.ndarray:
-        return np.array([np.nan if row is None else getattr(row, name) for row in rows])
+        return np.array([np.nan if row is None else float(getattr(row, name)) for row in rows])
 
     nowhere = np.full(faces, np.nan)
     pressure = np.array([nowhere if row is None else row.pressure for row in rows])
@@ -49,7 +49,7 @@ def contact_dataset(touching: Sequence[Touching | None], faces: int, count: int)
                 {"units": "1", "long_name": "pairs of places within range of the barrier"},
             ),
             CONTACT_CROSSES: (
-                "prestretch", column("crosses").astype(float),
+                "prestretch", column("crosses"),
                 {"units": "1", "long_name": "whether the skin passes through itself all the same"},
             ),
         }

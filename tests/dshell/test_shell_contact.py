@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bilayer import MeshSize, generate_mesh, paper_specimen, solve
+from bilayer import MeshSize, generate_mesh, open_result, paper_specimen, solve, write_result
 from bilayer.contact.package import contact_is_installed
 from bilayer.errors import InputError
 from bilayer.results.caveats import touches_itself
@@ -82,6 +82,15 @@ def test_the_result_tells_of_the_contact(contact, mesh):
     share = energy.sel(term="contact") / energy.sum("term")
     assert (share.values < 1e-3).all()
     assert share.values[2] > 0
+
+
+def test_its_file_has_it_too(contact, tmp_path):
+    write_result(contact, tmp_path / "touching.nc")
+    read = open_result(tmp_path / "touching.nc")
+    names = [name for name in contact if str(name).startswith("contact_")]
+    assert len(names) == 5
+    for name in names:
+        assert np.array_equal(read[name].values, contact[name].values, equal_nan=True)
 
 
 def test_the_text_of_the_result_says_so(contact):
