@@ -23,6 +23,8 @@ from bilayer.validation import keep, listed, nearest, not_negative, positive, te
 
 SUBSTRATE, KIRIGAMI_LAYER = "substrate", "kirigami"
 """Names of the layers that a bilayer has: the one that holds it together, the one that is cut."""
+LARGEST_GRAVITY = 1e6
+"""As in the fastest centrifuges, m/s2; a shape under more is sought in vain, for minutes."""
 MOST_LAYERS = 12
 """So that the sets of layers, of which there are two to that power, can be numbered."""
 
@@ -83,6 +85,10 @@ class Specimen:
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", _checked_layers(self.layers))
         gravity = not_negative("gravity.acceleration", self.gravity, "m/s2")
+        if gravity > LARGEST_GRAVITY:
+            raise InputError(
+                f"gravity.acceleration = {gravity:g} m/s2: expected at most {LARGEST_GRAVITY:g}"
+            )
         object.__setattr__(self, "gravity", gravity)
         keep(self, text, "name", table="specimen.")
         for layer in self.layers:

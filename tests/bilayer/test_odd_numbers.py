@@ -110,8 +110,9 @@ def test_toml_as_people_write_it_is_read():
     template().replace("outer_radius = 0.04 ", "outer_radius = 1e-320 "),
     template().replace("thickness = 0.001 ", "thickness = 1.0 ", 1),
     template().replace("thickness = 0.001 ", "thickness = '1 m' ", 1),
+    template().replace("acceleration = 0.0 ", "acceleration = 1e29 "),
     template() + "\n[patterns]\nx = 1979-05-27\n",
-])  # fmt: skip
+], ids=range(8))  # fmt: skip
 def test_an_odd_specimen_file_is_refused(text):
     assert text != template()
     with pytest.raises(InputError) as refused:
@@ -141,7 +142,7 @@ MANY = ", ".join(str(0.001 + 1e-6 * k) for k in range(1000))
     ("[settings.dshell]\ntolerance = 1979-05-27", "solver.tolerance"),
     ("[settings.dshell]\nramp = 1e-30", "solver.ramp"),
     ('x = "' + "x" * 10**6 + '"', "x: unknown"),
-])  # fmt: skip
+], ids=range(16))  # fmt: skip
 def test_an_odd_study_file_is_refused_before_its_cases_are_made(folder, capsys, text, part):
     (folder / "study.toml").write_text(HEAD + text)
     assert_refused(folder, capsys, ["study", "study.toml", "-o", "out"], part)
