@@ -6,6 +6,7 @@ from typing import Any
 
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
+from bilayer.errors import InputError
 from bilayer.mesh.files import check_mesh_output
 from bilayer.mesh.planar_files import WITH_LAYERS
 from bilayer.results.conversion import convert, convert_milestones, milestone_names
@@ -38,6 +39,8 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     check_output(options, check_mesh_output)
     result = open_result(options.result)
+    if not result["converged"].values.any():
+        raise InputError(f"result file {options.result}: has no milestone that was reached")
     _tell_what_is_left_out(options)
     if options.all:
         check_output(options, check_mesh_output, milestone_names(result, options.output))

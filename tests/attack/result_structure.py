@@ -245,7 +245,9 @@ def _by_hand() -> dict[str, Callable[[Content], None]]:
         "all faces the same": variable("face_nodes", lambda a: np.broadcast_to(a[:1], a.shape)),
         "a face clockwise": variable("face_nodes", lambda a: a[:, ::-1]),
         "face nodes from 1?": variable("face_nodes", lambda a: a + 1),
-        "face nodes in 64 bits from elsewhere": variable("face_nodes", lambda a: a + 2**31),
+        "face nodes in 64 bits from elsewhere": variable(
+            "face_nodes", lambda a: a.astype(np.int64) + 2**31
+        ),
         "fewer faces than regions": variable("face_nodes", lambda a: a[:-1]),
         "faces of four nodes": variable("face_nodes", lambda a: np.column_stack([a, a[:, 0]])),
         "nodes in the plane alone?": variable("reference_position", lambda a: a[:, :2]),

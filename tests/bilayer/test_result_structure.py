@@ -207,6 +207,13 @@ def test_every_verb_says_so_in_a_line(result, name, verb, tmp_path, capsys, monk
     assert [path.name for path in tmp_path.iterdir()] == ["bad.nc"]
 
 
+def test_a_result_without_a_shape_has_none_to_convert(result, tmp_path, capsys):
+    nothing = with_values("converged", np.zeros_like)(result)
+    write_result(nothing, tmp_path / "r.nc")
+    status, error = told(capsys, ["convert", str(tmp_path / "r.nc"), "-o", str(tmp_path / "x.vtu")])
+    assert (status, "r.nc: has no milestone that was reached" in error) == (2, True)
+
+
 def test_a_single_milestone_is_a_result_too(result, tmp_path):
     result.sel(prestretch=1.06).to_netcdf(tmp_path / "one.nc")
     assert open_result(tmp_path / "one.nc")["quality"] == result["quality"].sel(prestretch=1.06)
