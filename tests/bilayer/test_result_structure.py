@@ -1,5 +1,6 @@
 """Results whose structure, values or bytes are wrong: each is refused in one line that says why."""
 
+import ctypes
 import os
 import random
 import re
@@ -17,6 +18,7 @@ from bilayer import InputError, open_result, write_result
 from bilayer.cli.main import main
 from bilayer.results.conformity import check_result
 from bilayer.results.files import ResumePoint, open_resume_point
+from bilayer.results.netcdf import read_netcdf_files
 from bilayer.study.scalars import read_scalars
 
 
@@ -225,16 +227,33 @@ def test_flipped_bits_end_no_process(file, tmp_path, capsys):
     damaged = tmp_path / "damaged.nc"
     chance = random.Random(14)
     statuses = []
-    for count in [1, 1, 1, 30] * 10:
+    for count in [1, 30, 30, 30] * 10:
         data = bytearray(good)
         for _ in range(count):
-            place = chance.randrange(len(data) if chance.random() < 0.3 else 4000)
+            place = chance.randrange(len(data))
             data[place] ^= 1 << chance.randrange(8)
         damaged.write_bytes(data)
         status, error = told(capsys, ["info", str(damaged)])
         assert (status, bool(error)) in ((0, False), (2, True)), error
         statuses.append(status)
     assert statuses.count(2) > 10
+
+
+def test_a_file_that_crashes_the_library_ends_no_process(file, tmp_path):
+    """Others that are read with it are read all the same."""
+    other = tmp_path / "other.nc"
+    other.write_bytes(file.read_bytes())
+    with netCDF4.Dataset(other, "a") as stored:
+        stored.setncattr("crash", 1)
+
+    def read(stored):
+        if "crash" in stored.ncattrs():
+            ctypes.string_at(0)
+        return stored.getncattr("solver")
+
+    found = read_netcdf_files([file, other, file], "result file", read)
+    assert found[0] == found[2] == "dshell"
+    assert re.search(r"other\.nc: cannot be read \(reading it is .* SIGSEGV", str(found[1]))
 
 
 @pytest.mark.parametrize("length", [0, 7, 40, 96, 2000, -1])
