@@ -5,15 +5,18 @@ the shape, and writes the file so far, before the path goes on. Ctrl-C and SIGTE
 is done.
 """
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from bilayer.errors import INTERRUPTED
 from bilayer.measures.milestone import Measures, measure
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import ResumePoint, write_result
 from bilayer.results.schema import NOT_MEASURED, MilestoneState
@@ -28,6 +31,9 @@ from bilayer.specimen.specimen import Specimen
 
 MILESTONE_DIMENSION = "prestretch"
 """The dimension of a result along which it grows."""
+
+MeasureShape = Callable[[Specimen, PlanarMesh, StretchPair, NDArray[np.float64]], Measures]
+"""Such as `bilayer.measures.milestone.measure`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +70,8 @@ class Recorder:
         The file; None: memory alone.
     earlier : Unfinished or None
         An earlier run that this one goes on from.
+    measure_shape : callable, optional
+        Takes what `measure` takes, which is called if it is left out.
     """
 
     def __init__(
@@ -73,9 +81,11 @@ class Recorder:
         provenance: Provenance,
         output: str | Path | None = None,
         earlier: Unfinished | None = None,
+        measure_shape: MeasureShape | None = None,
     ) -> None:
         self._specimen, self._path, self._provenance = specimen, path, provenance
         self._output, self._earlier = output, earlier
+        self._measure_shape = measure_shape or measure
         self._milestones: list[_Milestone] = []
         self._not_measured: list[str] = []
         self._saved: Saved = {}
@@ -152,7 +162,7 @@ class Recorder:
         if not state.converged:
             return Measures.undefined()
         try:
-            return measure(self._specimen, self._path.mesh, target, state.position)
+            return self._measure_shape(self._specimen, self._path.mesh, target, state.position)
         except Exception as error:  # whatever it is, the shape is there and is kept
             self._not_measured.append(f"{stretch_text(target)}: {_words(error)}")
             return Measures.undefined()
@@ -166,6 +176,13 @@ class Recorder:
     def _resume_point(self) -> ResumePoint | None:
         """Return the point from which the run can be resumed, None if it is over."""
         return None if self._is_over else ResumePoint(self.tried, self._reasons, self._saved)
+
+
+def leave_unmeasured(
+    specimen: Specimen, mesh: PlanarMesh, stretch: StretchPair, position: NDArray[np.float64]
+) -> Measures:
+    """Return the measures of a shape that only leads to another one: NaN."""
+    return Measures.undefined()
 
 
 def with_rows_of(

@@ -18,6 +18,7 @@ from bilayer.runtime.progress import Progress
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
 from bilayer.solvers.path import Observer
+from bilayer.solvers.recording import leave_unmeasured
 from bilayer.solvers.run import follow_with, solve_with
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
@@ -196,7 +197,13 @@ def _shell_result(specimen: Specimen, mesh: PlanarMesh) -> xr.Dataset:
         It reaches no milestone.
     """
     try:
-        result = solve(with_waypoints(specimen), "dshell", mesh=mesh)
+        result = solve_with(
+            solver_named("dshell"),
+            with_waypoints(specimen),
+            settings_class("dshell")(),
+            mesh=mesh,
+            measure_shape=leave_unmeasured,
+        )
     except Interrupted as interrupted:  # its result is not that of the run
         raise KeyboardInterrupt from interrupted
     if not result["converged"].any():

@@ -16,7 +16,7 @@ from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, SpecimenPath, Start
 from bilayer.solvers.path import LoadStep, Observer, follow_path, run_path
-from bilayer.solvers.recording import Recorder
+from bilayer.solvers.recording import MeasureShape, Recorder
 from bilayer.solvers.resuming import Unfinished, check_same_run, open_unfinished
 from bilayer.specimen.specimen import Specimen
 
@@ -33,6 +33,7 @@ def solve_with(
     observers: Sequence[Observer] = (),
     output: str | Path | None = None,
     resume: str | Path | None = None,
+    measure_shape: MeasureShape | None = None,
 ) -> xr.Dataset:
     """Compute the shapes of a specimen at its milestones; see `bilayer.solve`.
 
@@ -44,6 +45,8 @@ def solve_with(
         See `bilayer.solve`.
     start : Dataset, callable or None
         See `bilayer.solvers.contract.Start`.
+    measure_shape : callable, optional
+        See `Recorder`.
     """
     model = model_of(solver, settings)
     if output is not None:
@@ -64,7 +67,7 @@ def solve_with(
             with _resuming(resume):
                 path.restore(earlier.point.saved)
         provenance = Provenance.found(solver.name, model, settings, path.versions)
-        recorder = Recorder(specimen, path, provenance, output, earlier)
+        recorder = Recorder(specimen, path, provenance, output, earlier, measure_shape)
         telling = [] if progress is None or not _is_first(path) else [reporter(progress)]
         targets = specimen.prestretch.milestones
         try:

@@ -19,6 +19,7 @@ from bilayer.results.starting import (
 )
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
+from bilayer.solvers.recording import leave_unmeasured
 from bilayer.solvers.run import solve_with
 from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
 from bilayer.specimen.specimen import Specimen
@@ -86,7 +87,9 @@ class CoarseStart:
             return None
         if self.progress is not None:
             self.progress(0.0, f"a coarse mesh of {len(coarse.triangles)} triangles first")
-        return solve_with(self.solver, specimen, settings, mesh=coarse)
+        return solve_with(
+            self.solver, specimen, settings, mesh=coarse, measure_shape=leave_unmeasured
+        )
 
 
 def open_shell_path(

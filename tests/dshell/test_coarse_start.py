@@ -9,6 +9,8 @@ from released_sheets import CORNER, CUT_SHEETS, R, pile_of, sheet_of
 
 from bilayer import InputError, MeshSize, generate_mesh, solve
 from bilayer.errors import ComputationError
+from bilayer.measures.milestone import measure
+from bilayer.solvers import recording
 from bilayer.solvers.run import solve_with
 from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle
 from dshell import SOLVER, HingeSettings, MorleySettings
@@ -121,6 +123,21 @@ def test_a_coarse_mesh_without_an_equilibrium_is_told(fine_specimen, fine_mesh, 
     result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
     assert result.converged.all()
     assert result.attrs["start"].startswith("flat, because on a coarse mesh it stopped at prestr")
+
+
+def test_the_shape_that_only_leads_is_not_measured(fine_specimen, fine_mesh, monkeypatch):
+    measured = []
+
+    def watched(specimen, mesh, stretch, position):
+        measured.append(len(mesh.triangles))
+        return measure(specimen, mesh, stretch, position)
+
+    monkeypatch.setattr(recording, "measure", watched)
+    settings = MorleySettings(coarse_triangles=COARSE)
+    result = solve(fine_specimen, "dshell", settings, mesh=fine_mesh)
+    assert result.attrs["start"].startswith("flat, on a coarse mesh first")
+    assert np.isfinite(result.sphere_radius.values).all()
+    assert measured == [len(fine_mesh.triangles)]
 
 
 def test_a_flat_disc_is_prolonged_exactly(coarse_mesh, fine_mesh):
