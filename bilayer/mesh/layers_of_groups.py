@@ -7,6 +7,7 @@ holds all triangles and is no layer's says nothing.
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mesh.gmsh_files import PhysicalGroups
 from bilayer.validation import nearest
+
+if TYPE_CHECKING:
+    import meshio
 
 BARE = "bare"
 JOINED = "+"
@@ -52,6 +56,41 @@ def region_by_groups(
     has_names = any(tag in groups.names for tags in dividing for tag in tags)
     region = _by_names(groups, dividing, names) if has_names else _by_tags(dividing, names)
     return np.array(region)[groups.number]
+
+
+def groups_of_sets(data: "meshio.Mesh", layer_sets: Sequence[Layers]) -> PhysicalGroups | None:
+    """Return the sets of triangles of a file that are named after layers, as groups.
+
+    Parameters
+    ----------
+    data : meshio.Mesh
+        Of a format with named sets, as Abaqus'.
+    layer_sets : sequence of frozenset of str
+        The layers of each region.
+
+    Returns
+    -------
+    PhysicalGroups or None
+        None if there is no such set; others say nothing of layers.
+    """
+    names = _LayerNames(layer_sets)
+    sets = {
+        name: members["triangle"]
+        for name, members in data.cell_sets_dict.items()
+        if names.are_layers(name) and len(members.get("triangle", ()))
+    }
+    if not sets:
+        return None
+    is_in = np.zeros((len(data.get_cells_type("triangle")), len(sets)), dtype=bool)
+    for column, members in enumerate(sets.values()):
+        is_in[members, column] = True
+    rows, number = np.unique(is_in, axis=0, return_inverse=True)
+    tags = np.arange(1, len(sets) + 1)
+    return PhysicalGroups(
+        dict(zip(tags.tolist(), sets, strict=True)),
+        tuple(frozenset(tags[row].tolist()) for row in rows),
+        number.reshape(-1),
+    )
 
 
 def name_of_layers(layers: Layers) -> str:

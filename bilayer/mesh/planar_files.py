@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mesh.files import read_mesh_file, write_mesh_file
 from bilayer.mesh.gmsh_files import PhysicalGroups, groups_by_tag
-from bilayer.mesh.layers_of_groups import name_of_layers, region_by_groups
+from bilayer.mesh.layers_of_groups import groups_of_sets, name_of_layers, region_by_groups
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.mesh.validity import check_nodes, check_points
 from bilayer.specimen.two_layers import TWO_LAYERS
@@ -168,6 +168,8 @@ def _region(
     if "region" in data.cell_data:
         region: NDArray[np.int64] = data.get_cell_data("region", "triangle")
         return region
+    if groups is None:
+        groups = groups_of_sets(data, layer_sets)
     if groups is None and "gmsh:physical" in data.cell_data:  # a file made of gmsh's by meshio
         groups = groups_by_tag(data.get_cell_data("gmsh:physical", "triangle"), {})
     return None if groups is None else region_by_groups(groups, layer_sets)

@@ -34,7 +34,12 @@ def windows_comma(value):
     return windows(value).replace(".", ",")
 
 
-STYLES = [linux, windows, comma, windows_comma]
+def fortran(value):
+    """As 1PE12.5 of Fortran: without the E where the exponent has three digits."""
+    return re.sub(r"E([-+]\d{3})$", r"\1", f"{value:.5E}").rjust(12)
+
+
+STYLES = [linux, windows, comma, windows_comma, fortran]
 
 
 def row(node, values, style, columns=10):

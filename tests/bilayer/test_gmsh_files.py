@@ -237,6 +237,28 @@ def test_damaged_files_are_one_error(save, old, new, message):
         read_planar_mesh(path)
 
 
+@pytest.mark.parametrize(
+    ("sets", "layers"),
+    [
+        ({"KIRIGAMI": "disc"}, [BOTH, ALONE]),
+        ({"Surface1": "ring", "Surface2": "disc"}, [BOTH, BOTH]),
+        ({"bare": "ring", "Surface2": "disc"}, [BOTH, ALONE]),
+        ({"substrate": "ring disc", "kirigami": "disc", "Surface1": "ring"}, [BOTH, ALONE]),
+    ],
+)
+def test_sets_of_abaqus_are_read_by_the_layers_names(save, tmp_path, sets, layers):
+    drawn = read_planar_mesh(save(NAMED["a layer, and bare"]))
+    parts = {"disc": np.flatnonzero(drawn.region == 1), "ring": np.flatnonzero(drawn.region == 0)}
+    members = {
+        name: [np.sort(np.concatenate([parts[part] for part in names.split()]))]
+        for name, names in sets.items()
+    }
+    points = np.pad(drawn.points, ((0, 0), (0, 1)))
+    file = meshio.Mesh(points, [("triangle", drawn.triangles)], cell_sets=members)
+    file.write(tmp_path / "m.inp")
+    assert layers_by_radius(read_planar_mesh(tmp_path / "m.inp")) == layers
+
+
 def test_version_4_0_is_named(save):
     with pytest.raises(InputError, match=r"is of gmsh's version 4, expected 2.2 or 4.1"):
         read_planar_mesh(save({}, version=4.0))
