@@ -44,7 +44,7 @@ def open_path(
 
     if not isinstance(settings, SolidSettings):
         raise InputError(f"settings = {settings!r}: expected SolidSettings")
-    return open_solid_path(specimen, settings, mesh=mesh, start=start, comm=comm)
+    return open_solid_path(specimen, settings, mesh=mesh, start=start, comm=comm, progress=progress)
 
 
 SOLVER = Solver(

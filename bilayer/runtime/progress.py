@@ -11,9 +11,32 @@ from bilayer.runtime.terminal import tell
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
 
-SECONDS_TO_FIRST_LINE = 15.0
-SECONDS_BETWEEN_LINES = 30.0
+SECONDS_TO_FIRST_LINE = 10.0
+SECONDS_BETWEEN_LINES = 10.0
 """In a log; a run that takes less says nothing there."""
+
+
+def never_back(progress: Progress) -> Progress:
+    """Return a callback that hands on the largest fraction so far.
+
+    Whoever knows only what is being done may give 0.
+
+    Examples
+    --------
+    >>> tell = never_back(lambda fraction, message: print(fraction, message))
+    >>> tell(0.25, "prestretch 1.03")
+    0.25 prestretch 1.03
+    >>> tell(0.0, "Newton iteration 1")
+    0.25 Newton iteration 1
+    """
+    most = 0.0
+
+    def tell_on(fraction: float, message: str) -> None:
+        nonlocal most
+        most = max(most, fraction)
+        progress(most, message)
+
+    return tell_on
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from bilayer.errors import InputError, Interrupted, NotResumableError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance
 from bilayer.results.files import check_result_output, open_result, write_result
-from bilayer.runtime.progress import Progress
+from bilayer.runtime.progress import Progress, never_back
 from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, SpecimenPath, Start
@@ -61,6 +61,7 @@ def solve_with(
             if output is not None and Path(output) != Path(resume) and is_first_rank():
                 write_result(held, output)
             return held
+    progress = None if progress is None else never_back(progress)
     path = _opened(solver, specimen, settings, mesh, start, comm, progress, earlier)
     with closing(path):
         if earlier is not None:

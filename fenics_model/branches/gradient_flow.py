@@ -96,7 +96,9 @@ class GradientFlow:
         self._newton, self._first = newton, first_viscosity
         self._rule = FlowRule() if rule is None else rule
 
-    def flow_to_equilibrium(self, start: State, tolerance: float, reference: float) -> FlowOutcome:
+    def flow_to_equilibrium(
+        self, start: State, tolerance: float, reference: float, *, step_limit: int | None = None
+    ) -> FlowOutcome:
         """Flow until the solution without viscosity is found, and stable.
 
         Parameters
@@ -107,11 +109,14 @@ class GradientFlow:
             Norm of the residual of an equilibrium, N.
         reference : float
             Norm of the residual that is to be balanced, N.
+        step_limit : int, optional
+            Less than that of the rule.
         """
         rule, state = self._rule, start
+        limit = min(rule.step_limit, rule.step_limit if step_limit is None else step_limit)
         effort, k, growth, force_before = Effort(), self._first, rule.growth, np.inf
         factors: Factors | None = None
-        while effort.flow_steps < rule.step_limit and k <= rule.stiffest * self._first:
+        while effort.flow_steps < limit and k <= rule.stiffest * self._first:
             step = self._take_step(state, k, tolerance, factors)
             state, effort, factors = step.state, effort + step.effort, step.factors
             if step.force is None:
@@ -123,6 +128,8 @@ class GradientFlow:
                 effort, factors = effort + Effort(rest.iterations), None
                 if rest.converged:
                     return FlowOutcome(rest.state, rest, effort)
+                if step.force == 0:  # at rest in an unstable equilibrium: it would stay for ever
+                    break
             force_before = step.force
         return FlowOutcome(state, None, effort)
 
@@ -130,7 +137,7 @@ class GradientFlow:
         self, state: State, k: float, tolerance: float, factors: Factors | None
     ) -> _Step:
         """Take one time step, at first with the factors of the step before; stay if it fails."""
-        accuracy = max(tolerance, self._rule.step_accuracy * self._newton.residual_norm(state))
+        accuracy = self._rule.step_accuracy * max(tolerance, self._newton.residual_norm(state))
         with self._newton.slow_down(k, state) as viscosity:
             outcome, last = self._solve_if_stable(state, accuracy, factors)
             effort = Effort(outcome.iterations, flow_steps=1)

@@ -19,6 +19,7 @@ from fenics_model.path.predictor import Predictor
 from fenics_model.path.step_control import StepControl
 from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
+from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
 
@@ -218,16 +219,17 @@ class Continuation:
     ) -> LoadPoint | None:
         """Count the unstable modes of a goal, and leave it if there are any.
 
-        If the guide has led to an unstable state, load steps are to be taken instead: None.
+        If the guide has led to an unstable state, the body flows from the guide's shape. If that
+        leads nowhere, load steps are to be taken instead: None.
         """
         with self._newton.factorise(found.state) as factors:
-            modes = unstable_modes(factors, self._newton.solid.number_of_pressures)
+            modes = self._count_modes(factors)
             if modes <= 0:
                 return replace(found, unstable_modes=modes)
-            if is_guided and self._guide is not None:
-                self._guide.reject_shape(found.parameter, "unstable")
-                return None
-            departure = self._search.leave_unstable(found.state, factors, accepted, reference)
+            if not is_guided:
+                departure = self._search.leave_unstable(found.state, factors, accepted, reference)
+        if is_guided:
+            return self._flow_from_shape(found, accepted, reference)
         self._effort += departure.effort
         left = replace(found, unstable_modes=departure.unstable_modes, departure=departure)
         taken = departure.equilibrium
@@ -235,6 +237,25 @@ class Continuation:
             return left
         self._change_branch(found.parameter, taken.state)
         return replace(left, state=taken.state, residual=taken.residual / reference)
+
+    def _flow_from_shape(
+        self, found: LoadPoint, accepted: float, reference: float
+    ) -> LoadPoint | None:
+        """Return the stable equilibrium that the body flows to from the guide's shape."""
+        assert self._guide is not None
+        flowed = self._guide.flow_from_shape(found.parameter, accepted, reference, "unstable")
+        self._effort += flowed.effort
+        rest = flowed.equilibrium
+        if rest is None:
+            return None
+        with self._newton.factorise(rest.state) as factors:
+            modes = self._count_modes(factors)
+        return replace(
+            found, state=rest.state, residual=rest.residual / reference, unstable_modes=modes
+        )
+
+    def _count_modes(self, factors: Factors) -> int:
+        return unstable_modes(factors, self._newton.solid.number_of_pressures)
 
     def _change_branch(self, parameter: float, state: State) -> None:
         """Begin anew on another branch, because the past predicts nothing."""

@@ -3,7 +3,8 @@
 A shape of the guide, made a state of the solid, differs from the solid's equilibrium by a defect.
 The defect at the next parameter is extrapolated from the last three and added to the guide's state.
 This is the initial guess of Newton's method. If the solution is far from the guess, it is on
-another branch, and the step is rejected.
+another branch. In this case, and if there is no solution, the body flows from the guess to a stable
+equilibrium. If it finds none, the step is rejected.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.results.starting import LONGEST_WAY
+from fenics_model.branches.gradient_flow import FlowOutcome, GradientFlow
 from fenics_model.path.predictor import MEMORY, extrapolation_weights
 from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
@@ -36,12 +38,18 @@ class GuideRule:
         Largest distance of a solution from its prediction, over the length of the predicted step.
     longest_way : float
         Change of the prestretch up to which a shape is in reach.
+    iteration_limit : int
+        New tangents after which a solution has failed. Load steps instead would take more.
+    flow_steps : int
+        Time steps of a flow from a shape.
     """
 
     far_from_balance: float = 0.5
     relaxed_residual: float = 0.1
     far_from_guess: float = 0.5
     longest_way: float = LONGEST_WAY
+    iteration_limit: int = 20
+    flow_steps: int = 30
 
 
 class Guide:
@@ -55,6 +63,8 @@ class Guide:
         Makes a state of a shape of the reference surface, with the natural states of the moment.
     relax_guess : callable
         Relaxes a state to a norm of the residual, that surface held; returns the outcome.
+    flow : GradientFlow
+        Of the same solver; goes from a shape to a stable equilibrium if Newton's method does not.
     rule : GuideRule, optional
         Limits within which it is used.
 
@@ -69,9 +79,11 @@ class Guide:
         newton: Newton,
         extrude: Callable[[Array], State],
         relax_guess: Callable[[State, float], NewtonOutcome],
+        flow: GradientFlow,
         rule: GuideRule | None = None,
     ) -> None:
         self._newton, self._extrude, self._relax_guess = newton, extrude, relax_guess
+        self._flow, self._guess = flow, newton.solid.undeformed
         self._rule = GuideRule() if rule is None else rule
         self._shapes: dict[float, Array] = {}
         self._states: dict[float, State] = {}
@@ -129,18 +141,38 @@ class Guide:
         outcome, effort = None, Effort(guided_steps=1)
         near = self._rule.far_from_balance * reference
         if self._newton.residual_norm(guess) < near:  # else far, or no number
-            outcome = self._newton.solve(guess, accepted)
+            outcome = self._solve(guess, accepted)
             effort += Effort(outcome.iterations)
         if outcome is None or not outcome.converged:
             relaxed = self._relax_guess(guess, self._rule.relaxed_residual * reference)
             guess = relaxed.state
-            outcome = self._newton.solve(guess, accepted)
+            outcome = self._solve(guess, accepted)
             effort += Effort(relaxed.iterations + outcome.iterations)
+        self._guess = guess
         if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
             outcome = replace(outcome, converged=False, reason="another branch")
-        if not outcome.converged:
-            self.reject_shape(there, outcome.reason)
-        return outcome, effort
+        if outcome.converged:
+            return outcome, effort
+        flowed = self.flow_from_shape(there, accepted, reference, outcome.reason)
+        effort += flowed.effort
+        return (outcome if flowed.equilibrium is None else flowed.equilibrium), effort
+
+    def _solve(self, guess: State, accepted: float) -> NewtonOutcome:
+        return self._newton.solve(guess, accepted, iteration_limit=self._rule.iteration_limit)
+
+    def flow_from_shape(
+        self, there: float, accepted: float, reference: float, reason: str
+    ) -> FlowOutcome:
+        """Flow to a stable equilibrium from the shape of the last step, which did not lead to one.
+
+        The shape is rejected if that fails, too, for the reason why the step did.
+        """
+        flowed = self._flow.flow_to_equilibrium(
+            self._guess, accepted, reference, step_limit=self._rule.flow_steps
+        )
+        if flowed.equilibrium is None:
+            self.reject_shape(there, reason)
+        return flowed
 
     def _is_far_from_guess(self, before: State, predicted: State, found: State) -> bool:
         """Whether a solution is so far from its prediction that it is on another branch."""

@@ -12,6 +12,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.results.starting import describe_run, describe_start
 from bilayer.runtime.memory import available_memory
+from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Start
 from bilayer.specimen.specimen import Specimen
 from fenics_model.release.solid_path import SolidPath
@@ -25,6 +26,7 @@ def open_solid_path(
     mesh: PlanarMesh | None,
     start: Start,
     comm: MPI.Comm | None,
+    progress: Progress | None = None,
 ) -> SolidPath:
     """Return the path of a specimen's solid, on the ranks of `comm`; None: all."""
     comm = MPI.COMM_WORLD if comm is None else comm
@@ -34,7 +36,8 @@ def open_solid_path(
     )
     made, text = _make_start(start, planar, comm)
     shapes = None if made is None else StartShapes.of(made, planar)
-    return SolidPath(specimen, planar, settings, comm, shapes, text)
+    told = progress if comm.rank == 0 else None
+    return SolidPath(specimen, planar, settings, comm, shapes, text, told)
 
 
 def from_first_rank(comm: MPI.Comm, make: Callable[[], Any]) -> Any:

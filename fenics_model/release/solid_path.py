@@ -17,6 +17,7 @@ from bilayer.geometry.alignment import move_onto_held_points
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
+from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Linearised, Recorded, Saved
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
@@ -164,6 +165,8 @@ class SolidPath:
         Of another result, the initial guesses.
     start : str
         Their source, in one line.
+    progress : callable, optional
+        Told what is being done.
     """
 
     def __init__(
@@ -174,14 +177,18 @@ class SolidPath:
         comm: MPI.Comm,
         shapes: StartShapes | None,
         start: str,
+        progress: Progress | None = None,
     ) -> None:
+        self._progress = progress
         self.body = make_solid(specimen, mesh, settings, comm)
         self.loads = LoadSchedule(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
         self._shapes, self._start = shapes, start
+        self._loaded = 0.0
         self._nodes = choose_held_nodes(mesh.points, specimen.gravity, mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
+            self._search = self._make_search()
             self._guide = self._make_guide()
             self._continuation = self._make_continuation()
             self._resources = stack.pop_all()
@@ -195,6 +202,7 @@ class SolidPath:
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
             stopwatch=Stopwatch(),
+            tell=self._tell,
         )
 
     def _make_guide(self) -> Guide:
@@ -206,7 +214,8 @@ class SolidPath:
             options=self.body.settings.petsc_options,
             stopwatch=self._newton.stopwatch,
         )
-        return Guide(self._newton, Extrusion(solid, self.mesh).extrude, relax)
+        extrude = Extrusion(solid, self.mesh).extrude
+        return Guide(self._newton, extrude, relax, self._search.flow)
 
     def _make_continuation(self) -> Continuation:
         settings = self.body.settings
@@ -214,7 +223,7 @@ class SolidPath:
         least = self._newton.residual_norm(self.body.solid.undeformed)
         return Continuation(
             self._newton,
-            self._make_search(),
+            self._search,
             self._load,
             StepControl(
                 settings.first_step,
@@ -244,6 +253,11 @@ class SolidPath:
 
     def _load(self, parameter: float) -> None:
         self.body.load(self.loads.place(parameter))
+        self._loaded = parameter
+
+    def _tell(self, doing: str) -> None:
+        if self._progress is not None:
+            self._progress(0.0, f"prestretch {max(self.loads.stretch(self._loaded)):.6g}: {doing}")
 
     def close(self) -> None:
         """Free what PETSc holds."""

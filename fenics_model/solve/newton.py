@@ -6,7 +6,7 @@ due, nor shorten a step that turned an element inside out.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -121,6 +121,8 @@ class Newton:
         Told of the work.
     rule : CorrectionRule, optional
         When a new tangent is due.
+    tell : callable, optional
+        Told in a few words of each new tangent, which may take long.
 
     Attributes
     ----------
@@ -139,11 +141,13 @@ class Newton:
         options: str = "",
         stopwatch: Stopwatch | None = None,
         rule: CorrectionRule | None = None,
+        tell: Callable[[str], None] = lambda doing: None,
     ) -> None:
         self.solid, self.layout = solid, Layout(solid.space)
         self._held = list(held)
         self._iteration_limit = iteration_limit
         self._rule = CorrectionRule() if rule is None else rule
+        self._tell = tell
         self._viscosity: Viscosity | None = None
         self._handed_out: Factors | None = None
         self.stopwatch = Stopwatch() if stopwatch is None else stopwatch
@@ -182,7 +186,12 @@ class Newton:
         self.close()
 
     def solve(
-        self, guess: State, tolerance: float, factors: Factors | None = None
+        self,
+        guess: State,
+        tolerance: float,
+        factors: Factors | None = None,
+        *,
+        iteration_limit: int | None = None,
     ) -> NewtonOutcome:
         """Iterate from a guess until the norm of the residual falls to `tolerance`.
 
@@ -194,15 +203,23 @@ class Newton:
             Norm of the residual of a solution, N.
         factors : Factors, optional
             Of a tangent near the guess, for the first corrections; this solver made them last.
+        iteration_limit : int, optional
+            Instead of the solver's own.
         """
         if factors is None:
             self._take_factors_back()
         self.solid.tangent.reset_extrapolation()
         with signals_put_off() as signals, self.stopwatch.time_solution():
-            return self._iterate(Iterate.begin(self, guess), tolerance, factors, signals)
+            limit = self._iteration_limit if iteration_limit is None else iteration_limit
+            return self._iterate(Iterate.begin(self, guess), tolerance, factors, limit, signals)
 
     def _iterate(
-        self, here: "Iterate", tolerance: float, factors: Factors | None, signals: PutOff
+        self,
+        here: "Iterate",
+        tolerance: float,
+        factors: Factors | None,
+        limit: int,
+        signals: PutOff,
     ) -> NewtonOutcome:
         """Correct, with a new factor when one is due."""
         iterations, corrections, length, reason = 0, 0, 0.0, ""
@@ -213,10 +230,11 @@ class Newton:
             reason = _INSIDE_OUT
         while here.norm > tolerance and not reason:
             if factors is None or progress.is_slow:
-                if iterations == self._iteration_limit:
+                if iterations == limit:
                     reason = "too many iterations"
                     break
                 iterations += 1
+                self._tell(self._describe(iterations, here.norm / tolerance))
                 factors = self._factorise(here.state)
                 mixing = AndersonMixing(self.layout.dot, self._rule.history)
                 progress = Progress(self._rule, here.norm, tolerance)
@@ -241,6 +259,11 @@ class Newton:
         return NewtonOutcome(
             here.state, not reason, iterations, corrections, here.norm, length, reason
         )
+
+    def _describe(self, iterations: int, residual: float) -> str:
+        """Say what is being done."""
+        method = "Newton iteration" if self._viscosity is None else "viscous flow, iteration"
+        return f"{method} {iterations}, residual {residual:.1e} of what is accepted"
 
     def _is_interrupted(self, signals: PutOff) -> bool:
         """Whether any rank was asked to end, so that all end together."""
