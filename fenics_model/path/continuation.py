@@ -199,8 +199,11 @@ class Continuation:
 
     def _take_load_step(self, there: float, accepted: float, reference: float) -> NewtonOutcome:
         """Solve from the predicted state; after some failures flow from the last equilibrium."""
-        outcome = self._newton.solve(self.predictor.guess(there), accepted)
+        predicted = self.predictor.guess(there)
+        outcome = self._newton.solve(predicted, accepted)
         self._effort += Effort(outcome.iterations)
+        if outcome.converged and self._is_far(predicted, outcome.state):
+            outcome = replace(outcome, converged=False, reason="another branch")
         if outcome.converged:
             self.control = self.control.after_success(outcome.corrections)
             return outcome
@@ -213,6 +216,16 @@ class Continuation:
             return outcome
         self._change_branch(there, flowed.equilibrium.state)
         return flowed.equilibrium
+
+    def _is_far(self, predicted: State, found: State) -> bool:
+        """Whether a solution is farther from its prediction than that is from where it was made.
+
+        Then it is on another branch: accelerated corrections may come to one beyond a limit point.
+        Without a past there is no prediction.
+        """
+        norm, here = self._newton.solid.displacement_norm, self.predictor.last
+        has_past = len(self.predictor.known) > 1
+        return has_past and norm(found - predicted) > norm(predicted - here)
 
     def _make_stable(
         self, found: LoadPoint, accepted: float, reference: float, is_guided: bool

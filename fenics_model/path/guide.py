@@ -3,8 +3,8 @@
 A shape of the guide, made a state of the solid, differs from the solid's equilibrium by a defect.
 The defect at the next parameter is extrapolated from the last three and added to the guide's state.
 This is the initial guess of Newton's method. If the solution is far from the guess, it is on
-another branch. In this case, and if there is no solution, the body flows from the guess to a stable
-equilibrium. If it finds none, the step is rejected.
+another branch, and the step is rejected. If there is no solution, the body flows from the guess to
+a stable equilibrium; if it finds none, the step is rejected.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -49,7 +49,7 @@ class GuideRule:
     far_from_guess: float = 0.5
     longest_way: float = LONGEST_WAY
     iteration_limit: int = 20
-    flow_steps: int = 30
+    flow_steps: int = 14
 
 
 class Guide:
@@ -150,8 +150,12 @@ class Guide:
             effort += Effort(relaxed.iterations + outcome.iterations)
         self._guess = guess
         if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
-            outcome = replace(outcome, converged=False, reason="another branch")
+            self.reject_shape(there, "another branch")
+            return replace(outcome, converged=False, reason="another branch"), effort
         if outcome.converged:
+            return outcome, effort
+        if not np.isfinite(self._newton.residual_norm(guess)):
+            self.reject_shape(there, outcome.reason)
             return outcome, effort
         flowed = self.flow_from_shape(there, accepted, reference, outcome.reason)
         effort += flowed.effort

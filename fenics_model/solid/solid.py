@@ -132,6 +132,24 @@ class Solid:
         ]
         return sum(self._stored()) - sum(loads)
 
+    @cached_property
+    def coupling(self) -> fem.Form:
+        """A form whose matrix has an entry, not zero, for all pairs of dofs that a tangent couples.
+
+        In a cell these are the displacements and the pressure of its own layer. The product of two
+        shape functions at the middle of a cell has the same sign in all cells that they share, so
+        the sum does not vanish.
+        """
+        trial, test = ufl.TrialFunctions(self.space), ufl.TestFunctions(self.space)
+        dx = self.dx(metadata={"quadrature_degree": 1})
+
+        def summed(functions: Any, layer: int) -> Any:
+            return functions[0][0] + functions[0][1] + functions[0][2] + functions[1 + layer]
+
+        return self._form(
+            sum(summed(trial, i) * summed(test, i) * dx(i) for i in range(len(self.layers)))
+        )
+
     def mass(self) -> fem.Form:
         """Return the form of the displacements' mass matrix at unit density, m3."""
         u, v = (ufl.split(f(self.space))[0] for f in (ufl.TrialFunction, ufl.TestFunction))

@@ -73,6 +73,31 @@ class Layout:
         return self.dot(one, one) ** 0.5
 
 
+def create_tangent_matrix(coupling: fem.Form, held: Sequence[fem.DirichletBC]) -> PETSc.Mat:
+    """Return a matrix, without values, for tangents; the caller destroys it.
+
+    dolfinx leaves room for all dofs of a cell. A seventh of that is never used: pressures of other
+    layers and held dofs. MUMPS does not know that these entries are zero.
+
+    Parameters
+    ----------
+    coupling : dolfinx.fem.Form
+        See `Solid.coupling`.
+    held : sequence of dolfinx.fem.DirichletBC
+        Constraints.
+    """
+    roomy = fem_petsc.create_matrix(coupling)
+    roomy.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
+    fem_petsc.assemble_matrix(roomy, coupling, list(held))
+    roomy.assemble()
+    tight = roomy.duplicate()
+    roomy.destroy()
+    tight.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
+    tight.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    tight.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
+    return tight
+
+
 class AssembledMatrix:
     """A form as a matrix, the rows and columns of held dofs zero.
 
@@ -94,6 +119,7 @@ class AssembledMatrix:
     def __init__(self, form: fem.Form, held: Sequence[fem.DirichletBC], layout: Layout) -> None:
         self._layout = layout
         self.petsc = fem_petsc.create_matrix(form)
+        self.petsc.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
         fem_petsc.assemble_matrix(self.petsc, form, list(held), 0.0)
         self.petsc.assemble()
 

@@ -25,7 +25,7 @@ from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
 from fenics_model.solve.corrections import AndersonMixing, CorrectionRule, Progress
 from fenics_model.solve.factors import Factors, why_petsc_failed
-from fenics_model.solve.layout import AssembledMatrix, Layout
+from fenics_model.solve.layout import AssembledMatrix, Layout, create_tangent_matrix
 from fenics_model.solve.petsc_options import UserOptions
 from fenics_model.solve.stopwatch import Stopwatch
 
@@ -159,9 +159,7 @@ class Newton:
     def _create(self, stack: ExitStack) -> None:
         """Make what PETSc solves with; the stack frees it."""
         self._r = self.layout.create_vector()
-        self._matrix = fem_petsc.create_matrix(self.solid.tangent.form)
-        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
+        self._matrix = create_tangent_matrix(self.solid.coupling, self._held)
         self._ksp = PETSc.KSP().create(self.layout.comm)
         for made in (self._r, self._matrix, self._ksp):
             stack.callback(made.destroy)
@@ -364,8 +362,8 @@ class Newton:
             matrix.assemble()
         self.stopwatch.count_factorisation()
         if self._viscosity is not None:
-            same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
-            matrix.axpy(self._viscosity.k, self._viscosity.mass.petsc, same)
+            part = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
+            matrix.axpy(self._viscosity.k, self._viscosity.mass.petsc, part)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,9 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
+from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
+from petsc4py import PETSc
 from verification.buckled_plate import BuckledPlate
 from verification.solid_derivatives import (
     PAIRS,
@@ -13,6 +15,7 @@ from verification.solid_derivatives import (
     rigid_motion_error,
     strained_solid,
 )
+from verification.solid_problem import newton_of
 
 from fenics_model.solid.state import State
 from fenics_model.solve.factors import ExpiredFactorsError
@@ -95,3 +98,20 @@ def test_factors_are_good_until_the_solver_is_used_again(plate, ends):
     }[ends]()
     with pytest.raises(ExpiredFactorsError):
         factors.solve(right)
+
+
+def test_the_matrix_of_the_tangent_has_all_of_its_entries_and_few_zeros():
+    """Two layers: what couples a cell with the pressure of the other one is left out, and zero."""
+    solid, state = strained_solid(PAIRS["mooney-rivlin"])
+    held = solid.absent_pressures()
+    with newton_of(solid, []) as newton, solid.at(state):
+        own = newton.factorise(state).matrix
+        full = fem_petsc.create_matrix(solid.tangent.form)
+        fem_petsc.assemble_matrix(full, solid.tangent.form, held)
+        full.assemble()
+        used = own.getInfo()["nz_used"]
+        assert used < full.getInfo()["nz_used"]
+        scale = full.norm()
+        full.axpy(-1.0, own, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+        assert full.norm() < 1e-13 * scale
+        full.destroy()
