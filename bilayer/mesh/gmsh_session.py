@@ -1,5 +1,6 @@
 """gmsh for the time of one drawing, within whatever else the process does with it."""
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -47,13 +48,28 @@ def gmsh_session(options: Mapping[str, float] | None = None) -> Iterator[Any]:
         with _users_session_kept(gmsh, chosen):
             yield gmsh
         return
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    with _no_home_folder():
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         _set(gmsh, chosen)
         gmsh.model.add(_MODEL)
         yield gmsh
     finally:
         gmsh.finalize()
+
+
+@contextmanager
+def _no_home_folder() -> Iterator[None]:
+    """Hide the home folder: the windows that gmsh could open would begin to keep settings there."""
+    usual = os.environ.get("HOME")
+    os.environ["HOME"] = os.devnull
+    try:
+        yield
+    finally:
+        if usual is None:
+            del os.environ["HOME"]
+        else:
+            os.environ["HOME"] = usual
 
 
 @contextmanager

@@ -144,3 +144,15 @@ def test_petsc_does_not_read_the_users_options(tmp_path):
     )
     assert "from_a" not in done.stdout.split("}")[0]
     assert done.stdout.endswith("-from_a_variable 1\n")
+
+
+def test_meshing_leaves_nothing_in_the_home_folder(tmp_path):
+    (tmp_path / "home").mkdir()
+    code = (
+        "import os, bilayer; bilayer.generate_mesh(bilayer.paper_specimen()); "
+        "print(os.environ['HOME'])"
+    )
+    own = os.environ | {"HOME": str(tmp_path / "home"), "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", code], env=own, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == (f"{tmp_path}/home\n", "")
+    assert not list((tmp_path / "home").iterdir())
