@@ -405,24 +405,26 @@ class EquilibriumSolver:
         """Return the body after one step.
 
         That is the longest halved step that is low enough, and on which the skin does not pass
-        through itself.
+        through itself. If corrections lead it through itself, the step is taken without them.
         """
+        tries = [limits]
         if here.body.contact is not None:
-            limits = replace(limits, corrections=CONTACT_CORRECTIONS)
+            tries = [replace(limits, corrections=count) for count in (CONTACT_CORRECTIONS, 0)]
         straight = self._step(factor, here.residual)
         step = _cap_step(straight, limits.longest_step)
         whole = step is straight
         slope = float(here.residual @ step[self.assembly.free])
         share = longest = here.free_share(step)
         while share > SHORTEST_STEP * longest:
-            there = self._step_and_correct(here, share * step, factor, limits)
-            change = there.energy - here.energy
-            too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
-            low = change <= SUFFICIENT_DECREASE * share * slope and not too_far
-            noise = ENERGY_NOISE * here.energy_scale
-            settled = abs(change) <= noise and there.error < 0.5 * here.error
-            if (low or settled) and here.is_free_to(there):
-                return there
+            for each in tries:
+                there = self._step_and_correct(here, share * step, factor, each)
+                change = there.energy - here.energy
+                too_far = whole and share == 1.0 and there.error > TOO_FAR * here.error
+                low = change <= SUFFICIENT_DECREASE * share * slope and not too_far
+                noise = ENERGY_NOISE * here.energy_scale
+                settled = abs(change) <= noise and there.error < 0.5 * here.error
+                if (low or settled) and here.is_free_to(there):
+                    return there
             share /= 2
         raise NoDescentError("no step along Newton's direction lowers the energy")
 
