@@ -26,7 +26,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
     "export": ("export", "s.toml", "-o", "d.inp", "--quiet"),
     "study": ("study", "study.toml", "-o", "st", "--quiet", "--jobs", "1"),
 }
-KILOBYTES = (4, 24, 120)
+KILOBYTES = (12, 40, 160)  # of which two small files take 8
 MANY = 300
 GROWTH = 4.0
 """MiB that the process of many cases may grow by after its first fifty."""

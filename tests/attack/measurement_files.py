@@ -98,5 +98,5 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
 def _of(
     name: str, content: Any, right: Right = Right.REFUSED, more: tuple[str, ...] = ()
 ) -> Attempt:
-    says = "t.csv|--" if right is Right.REFUSED and not more else ""
+    says = "t.csv|--|column" if right is Right.REFUSED and not more else ""
     return Attempt("material test", name, (*FIT, *more), {"t.csv": content}, right, says=says)

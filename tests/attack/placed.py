@@ -31,7 +31,11 @@ def main() -> None:
             sys.meta_path.insert(0, _Loading(place["module"], functools.partial(_strike, place)))
         else:
             module, _, name = place["function"].partition(":")
-            sys.meta_path.insert(0, _Wrapping(module, name, functools.partial(_striking, place)))
+            wrap = functools.partial(_striking, place)
+            if module in sys.modules:
+                _wrap_in(sys.modules[module], name, wrap)
+            else:
+                sys.meta_path.insert(0, _Wrapping(module, name, wrap))
     sys.argv = ["bilayer", *sys.argv[2:]]
     from bilayer.__main__ import main as command
 
@@ -78,6 +82,12 @@ def _noting(log: Path, keep: Any) -> Any:
     return call
 
 
+def _wrap_in(module: Any, name: str, wrap: Any) -> None:
+    *owners, last = name.split(".")
+    owner = functools.reduce(getattr, owners, module)
+    setattr(owner, last, wrap(getattr(owner, last)))
+
+
 class _Loading(importlib.abc.MetaPathFinder):
     """Does something when a module is about to be loaded."""
 
@@ -107,9 +117,7 @@ class _Wrapping(importlib.abc.MetaPathFinder):
 
         def exec_module(module: Any) -> None:
             run(module)
-            *owners, last = self._name.split(".")
-            owner = functools.reduce(getattr, owners, module)
-            setattr(owner, last, self._wrap(getattr(owner, last)))
+            _wrap_in(module, self._name, self._wrap)
 
         spec.loader.exec_module = exec_module  # type: ignore[method-assign]
         return spec

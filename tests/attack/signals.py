@@ -113,11 +113,11 @@ MOMENTS = (
 KILLS = (
     Moment("study", "loading the study", module="bilayer.study.run"),
     Moment("study", "its folder", function="bilayer.study.folder:StudyFolder.make"),
-    Moment("study", "its plan", function="bilayer.study.folder:StudyFolder.keep_plan"),
-    Moment("study", "the plan is moved", function="pathlib:Path.replace"),
+    Moment("study", "writing the plan", function="pathlib:Path.write_text"),
     Moment("study", "computing", function="bilayer.study.processes:wait", call=2),
     Moment("study", "computing, later", function="bilayer.study.processes:wait", call=4),
     Moment("study", "the index", function="bilayer.study.index:write_index"),
+    Moment("study", "writing the index", function="pandas:DataFrame.to_csv"),
     Moment("task of a study", "writing, 2", function=WRITE, call=2),
     Moment(
         "task of a study",
