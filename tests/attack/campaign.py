@@ -102,9 +102,11 @@ def _shown(found: dict[str, str]) -> dict[str, str]:
     return {
         name.removeprefix("w/") if name.startswith("w/") else f"../{name}": what
         for name, what in found.items()
-        if name != "w" and not _is_of_mpi(name)
+        if name != "w" and not _is_of_a_library(name)
     }
 
 
-def _is_of_mpi(name: str) -> bool:
-    return Path(name).name.startswith(("ompi.", "prte", "pmix")) or "/ompi." in name
+def _is_of_a_library(name: str) -> bool:
+    """Whether a name is that of a folder of Open MPI's session, or of gmsh's window toolkit."""
+    of_mpi = Path(name).name.startswith(("ompi.", "prte", "pmix")) or "/ompi." in name
+    return of_mpi or name.startswith("h/.fltk")
