@@ -226,6 +226,17 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         outputs=("d.inp",),
         makes=("d.inp",),
     )
+    yield of(
+        "good: view",
+        "view",
+        "a_good.nc",
+        "--no-open",
+        "-o",
+        "v.html",
+        right=Right.ACCEPTED,
+        outputs=("v.html",),
+        makes=("v.html",),
+    )
     for verb in ("", *VERBS):
         words = (*verb.split(), "--help")
         yield of(f"good: {verb} --help", *words, right=Right.ACCEPTED)
@@ -297,7 +308,8 @@ def _enough(verb: str, name: str) -> tuple[str, ...]:
         "rerun": (name,),
         "cut": (name, "-o", "a.dxf"),
         "fit": (name,),
-    }[verb]
+        "view": (name, "--no-open"),
+    }.get(verb, (name, "-o", "a.x"))
 
 
 def _study_options(bench: Any) -> Iterator[Attempt]:

@@ -29,6 +29,7 @@ def _verbs(bench: Any) -> dict[str, tuple[tuple[str, ...], str]]:
         "fit": (("fit", "t.csv", "--law", "neo-hookean"), "png"),
         "plot": (("plot", "good.nc"), "png"),
         "convert": (("convert", "good.nc"), "vtu"),
+        "view": (("view", "good.nc", "--no-open", "--quiet"), "html"),
         "compare": (("compare", "good.nc", "good.nc", "--quiet"), "png"),
         "rerun": (("rerun", "good.nc", "--quiet"), "nc"),
         "import": (("import", "d/deck.frd", "uncut.toml", "--prestretch", "1.03", "--quiet"), "nc"),

@@ -41,6 +41,7 @@ VERBS: dict[str, tuple[str, ...]] = {
         "--quiet",
     ),
     "plot": ("plot", "r.nc", "-o", "a.png"),
+    "view": ("view", "r.nc", "-o", "a.html", "--no-open"),
     "rerun": ("rerun", "r.nc", "--quiet"),
 }
 """The verbs that read a result."""
@@ -50,8 +51,21 @@ OUTPUTS = {
     "start": ("a.nc",),
     "resume": ("r.nc",),
     "plot": ("a.png",),
+    "view": ("a.html",),
 }
-OFTEN = ("info", "info", "info", "convert", "compare", "mesh", "start", "resume", "plot", "rerun")
+OFTEN = (
+    "info",
+    "info",
+    "info",
+    "convert",
+    "compare",
+    "mesh",
+    "start",
+    "resume",
+    "plot",
+    "rerun",
+    "view",
+)
 
 
 def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:

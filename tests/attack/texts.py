@@ -28,9 +28,12 @@ ODD = {
     "no ASCII": "Größe ≤ 日本",
     "long": "n" * 20_000,
     "empty": "",
+    "a script": "</title></script><script>stolen()</script>",
+    "an image that runs": "<img src=x onerror=stolen()>",
     "quotes": "'\"`$(touch canary)",
 }
 CONTROL = r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f\u202e]"
+VIEW = ("view", "r.nc", "-o", "a.html", "--no-open")
 FORGED = r"(?m:^(To run it again, with the versions above:\n  rm|  rm -rf))"
 
 
@@ -51,8 +54,9 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
                 ("info", "r.nc"),
                 ("plot", "r.nc", "-o", "a.png"),
                 ("compare", "r.nc", "good.nc"),
+                VIEW,
             ):
-                if words[0] != "info" and attribute not in ("model", "stop_reason"):
+                if words[0] != "info" and attribute not in ("model", "stop_reason", "versions"):
                     continue
                 yield _of_attribute(bench, attribute, name, text, words)
     for name, text in ODD.items():
@@ -72,6 +76,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
 
         for words, outputs in (
             (("info", "r.nc"), ()),
+            (VIEW, ("a.html",)),
             (("plot", "r.nc", "-o", "a.png"), ("a.png",)),
             (("mesh", "s.toml", "-o", "m.vtu"), ("m.*",)),
         ):
@@ -84,6 +89,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
                 Right.EITHER,
                 outputs,
                 says_not=f"{CONTROL}|{FORGED}",
+                check=_runs_nothing if words is VIEW else None,
             )
     for name in (
         "$x$",
@@ -103,6 +109,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         for words, outputs in (
             (("info", path), ()),
             (("plot", path, "-o", "a.png"), ("a.png",)),
+            (("view", path, "-o", "a.html", "--no-open"), ("a.html",)),
             (("compare", path, "good.nc", "-o", "a.png"), ("a.png",)),
             (("rerun", path, "--quiet"), ()),
         ):
@@ -126,7 +133,7 @@ def _of_attribute(
         content.write(path)
 
     files = {"r.nc": make, "good.nc": bench.result}
-    outputs = ("a.png",) if words[0] == "plot" else ()
+    outputs = {"plot": ("a.png",), "view": ("a.html",)}.get(words[0], ())
     return Attempt(
         "text",
         f"{words[0]}: {attribute} is {name}",
@@ -135,4 +142,12 @@ def _of_attribute(
         Right.EITHER,
         outputs,
         says_not=f"{CONTROL}|{FORGED}",
+        check=_runs_nothing if words is VIEW else None,
     )
+
+
+def _runs_nothing(folder: Path, said: str) -> str:
+    """Return a complaint if a page holds markup that came from a result."""
+    page = (folder / "a.html").read_text(encoding="utf-8")
+    markup = ("<script>stolen()", "<img src=x", "</title></script><")
+    return next((f"the page holds {part!r}" for part in markup if part in page), "")
