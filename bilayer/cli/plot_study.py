@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     check_output(options, check_figure_output)
     chosen = dict(_selection(word) for word in options.select)
     if options.prestretch is not None:
-        chosen["prestretch"] = toml_value(options.prestretch)
+        chosen["prestretch"] = toml_value("--prestretch", options.prestretch)
     study = open_study(options.study)
     save_figure(draw_study(study, options.x, options.y, options.hue, chosen), options.output)
     return 0
@@ -54,4 +54,4 @@ def _selection(word: str) -> tuple[str, Any]:
     name, separator, value = word.partition("=")
     if not separator:
         raise InputError(f"--select {word}: expected FIELD=VALUE")
-    return name.strip(), toml_value(value)
+    return name.strip(), toml_value(f"--select {name.strip()}", value)

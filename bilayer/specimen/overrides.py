@@ -47,14 +47,14 @@ def with_overrides(
         elif len(path) < 2:
             raise InputError(f"override {override!r}: expected {name.strip()}.key=value")
         place = _place(tables, [table, *path[:-1]])
-        place[path[-1]] = toml_value(value)
+        place[path[-1]] = toml_value(name.strip(), value)
     return tables
 
 
-def toml_value(text: str) -> Any:
-    """Return `text` read as one TOML value, or as a plain string if it is none."""
+def toml_value(field: str, text: str) -> Any:
+    """Return the text of a field read as one TOML value, or as a plain string if it is none."""
     try:
-        table = parse_toml(f"value = {text.strip()}", f"value {text.strip()[:40]!r}")
+        table = parse_toml(f"value = {text.strip()}", f"{field} = {text.strip()[:40]!r}")
     except InputError as error:
         if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
             raise

@@ -114,7 +114,9 @@ def _shown(default: Any) -> str:
 
 def _converted(name: str, value: Any, default: Any) -> Any:
     """Return `value` in the type of the setting's default."""
-    read = toml_value(value) if isinstance(value, str) and not isinstance(default, str) else value
+    read = value
+    if isinstance(value, str) and not isinstance(default, str):
+        read = toml_value(f"solver.{name}", value)
     if isinstance(default, bool) != isinstance(read, bool):
         raise InputError(f"solver.{name} = {shown(value)}: expected {_kind_name(default)}")
     if isinstance(read, Real) and not isinstance(default, bool):

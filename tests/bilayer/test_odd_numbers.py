@@ -13,7 +13,7 @@ from bilayer.cli.main import main
 from bilayer.results.report import describe_trust
 from bilayer.specimen.doubts import doubts
 from bilayer.specimen.layer import Response
-from bilayer.specimen.overrides import toml_value
+from bilayer.specimen.overrides import toml_value, with_overrides
 from bilayer.specimen.toml import parse_specimen_file, template
 from bilayer.specimen.toml_text import DEEPEST, parse_toml
 from bilayer.study.variation import MOST_CASES
@@ -93,12 +93,17 @@ def test_odd_toml_is_refused_at_once(odd):
     assert time.monotonic() - start < 5
 
 
+def test_a_value_of_a_field_that_is_no_toml_names_the_field():
+    with pytest.raises(InputError, match=r"^cut.strips = '\[\[.* is nested too deeply"):
+        with_overrides({}, ["cut.strips=" + "[" * 60 + "]" * 60], {"cut": ["strips"]})
+
+
 def test_toml_as_people_write_it_is_read():
     deep = "[" * (DEEPEST - 1) + "]" * (DEEPEST - 1)
     assert parse_toml(f"x = {deep}", "file")
     assert parse_toml('text = "1.2.3.4.5.6.7.8.9.10.11.12"\n' * 1, "file")
     assert parse_toml("points = [" + "[0.1, 0.2]," * 50_000 + "]", "file")
-    assert [toml_value(text) for text in ("0x10", "1_000", "1e3", "text", "'1 m'")] == [
+    assert [toml_value("field", text) for text in ("0x10", "1_000", "1e3", "text", "'1 m'")] == [
         16, 1000, 1000.0, "text", "1 m",
     ]  # fmt: skip
 
