@@ -218,7 +218,9 @@ def _bad_values(
     for label, value in BAD[kind].items():
         if path[-1] == "name" and path[0] == "specimen" and label == "empty text":
             continue
-        says = "TOML" if label == "5000 digits" else re.escape(str(path[-1]))
+        says = re.escape(str(path[-1]))
+        if label in ("5000 digits", "deep"):  # of the file as a whole
+            says += r"|TOML|s\.toml"
         if path[-1] in ("kind", "pattern") or path == ("layers", 0, "name"):
             says = ""
         yield refused(f"{base_name}: {_named(path)} {label}", changed(base, path, value), says)

@@ -48,17 +48,22 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         for label, value in ODD.items():
             if label in ("table", "empty table") and key in ("settings", "vary"):
                 continue
-            yield put(f"{key}: {label}", says=key, **{key: value})
+            yield put(f"{key}: {label}", says=key if label != "deep" else "nested", **{key: value})
     for key in ("specimen", "solver"):
         yield put(f"{key} is missing", says=key, **{key: None})
     for label, value in ODD.items():
         if label in ("list",):
             continue
         yield put(
-            f"values of a field: {label}", vary={"cut.cutout_angle": value}, says="cutout_angle"
+            f"values of a field: {label}",
+            vary={"cut.cutout_angle": value},
+            says="cutout_angle|nested",
         )
         yield put(f"a value of a field: {label}", vary={"cut.cutout_angle": [0.3, value]})
-        yield put(f"a seventh of a setting: {label}", vary={"settings.dshell.total_time": [value]})
+        if label != "number":
+            yield put(
+                f"a value of a setting: {label}", vary={"settings.dshell.total_time": [value]}
+            )
         for name in RANGE:
             if name in ("start", "stop") and label in ("minus", "number"):
                 continue
