@@ -56,12 +56,11 @@ def choose(
     made = {name: _all_of(bench, seed, name, quick) for name in classes}
     if count is None:
         return [attempt for attempts in made.values() for attempt in attempts]
-    for name, attempts in made.items():  # a process of its own takes a hundred times as long
-        few = random.Random(f"{seed} {name} fresh").sample(
-            slow := [attempt for attempt in attempts if attempt.fresh],
-            min(len(slow), count // SHARE_OF_FRESH),
-        )
-        made[name] = [attempt for attempt in attempts if not attempt.fresh] + few
+    for name, attempts in made.items():
+        slow = [attempt for attempt in attempts if attempt.fresh]
+        few = min(len(slow), count // SHARE_OF_FRESH)
+        kept = random.Random(f"{seed} {name} fresh").sample(slow, few)
+        made[name] = [attempt for attempt in attempts if not attempt.fresh] + kept
     chosen: list[Attempt] = []
     left = list(made)
     while left:  # the smallest class first: what it lacks goes to the others

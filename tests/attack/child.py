@@ -22,8 +22,10 @@ import psutil
 
 SECONDS = 20.0
 """A command that computes or waits for longer hangs."""
-LONGEST = 120.0
-"""Seconds until a command is ended that gets too little of a busy machine."""
+BETWEEN_LOOKS, IDLE = 5.0, 0.02
+"""Seconds between two looks at a command of more than `SECONDS`; CPU seconds of one that waits."""
+LONGEST = 15.0
+"""So many times as long a command may take on a busy machine."""
 ROOM = 4 * 2**30
 """Bytes that a child may take beside those of its parent."""
 WITHOUT_LAUNCHER = ("OMPI_COMM", "PMIX", "PRTE")
@@ -207,6 +209,7 @@ def _stream(number: int, mode: str) -> Any:
 
 def _wait(process: int, begin: float, seconds: float = SECONDS) -> tuple[int, bool, float]:
     """Return exit status, whether it hung (and was ended), and the CPU time."""
+    watch = _Watch(process, begin, seconds)
     hung = False
     pause = 0.001
     while True:
@@ -215,8 +218,7 @@ def _wait(process: int, begin: float, seconds: float = SECONDS) -> tuple[int, bo
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process, signal.SIGKILL)  # what it may have left running
             return os.waitstatus_to_exitcode(status), hung, used.ru_utime + used.ru_stime
-        passed = time.monotonic() - begin
-        if passed > seconds and not hung and _is_hung(process, passed):
+        if not hung and watch.sees_it_hang():
             hung = True
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process, signal.SIGKILL)
@@ -224,14 +226,40 @@ def _wait(process: int, begin: float, seconds: float = SECONDS) -> tuple[int, bo
         pause = min(1.3 * pause, 0.05)
 
 
-def _is_hung(process: int, passed: float) -> bool:
-    """Whether it waits, or has computed for too long; a busy machine gives it more time."""
-    with contextlib.suppress(psutil.NoSuchProcess):
-        whole = psutil.Process(process)
-        times = [p.cpu_times() for p in (whole, *whole.children(recursive=True))]
-        cpu = sum(t.user + t.system for t in times)
-        return cpu < SECONDS / 10 or cpu > SECONDS or passed > LONGEST
-    return False
+class _Watch:
+    """Sees whether a process has computed for too long, or waits; a busy machine counts for none.
+
+    Parameters
+    ----------
+    process : int
+        Its number.
+    begin : float
+        When it began, of the monotonic clock.
+    seconds : float
+        Of computing, and until the first look.
+    """
+
+    def __init__(self, process: int, begin: float, seconds: float) -> None:
+        self._process, self._seconds = process, seconds
+        self._begin, self._next, self._cpu = begin, begin + seconds, 0.0
+
+    def sees_it_hang(self) -> bool:
+        """Look from time to time; return whether it hangs."""
+        now = time.monotonic()
+        if now < self._next:
+            return False
+        self._next = now + BETWEEN_LOOKS
+        cpu, before = self._cpu_so_far(), self._cpu
+        self._cpu = cpu
+        waits = now > self._begin + self._seconds + BETWEEN_LOOKS / 2 and cpu - before < IDLE
+        return waits or cpu > self._seconds or now - self._begin > LONGEST * self._seconds
+
+    def _cpu_so_far(self) -> float:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            whole = psutil.Process(self._process)
+            times = [p.cpu_times() for p in (whole, *whole.children(recursive=True))]
+            return sum(t.user + t.system for t in times)
+        return self._cpu
 
 
 def _text(file: Any) -> str:
