@@ -70,13 +70,16 @@ def run_inputs(options: argparse.Namespace, bench: Bench, scratch: Path) -> int:
         )
     print(f"{len(mishandled)} of {len(chosen)} mishandled")
     if options.write:
-        _keep("inputs.csv", [asdict(row) | {"seed": options.seed} for row in rows.values()])
+        _keep(
+            "inputs.csv", [asdict(row) | {"seed": options.seed} for row in rows.values()], ["kind"]
+        )
     return int(bool(mishandled))
 
 
 def run_signals(options: argparse.Namespace, bench: Bench, scratch: Path) -> int:
     """Signal runs at placed moments; print what came of it."""
-    return _reported(signals.strike_all(bench, scratch), "signals.csv", options)
+    reports = signals.strike_all(bench, scratch, options.only)
+    return _reported(reports, "signals.csv", options, ["moment", "signal"])
 
 
 def run_kills(options: argparse.Namespace, bench: Bench, scratch: Path) -> int:
@@ -89,7 +92,9 @@ def run_conditions(options: argparse.Namespace, bench: Bench, scratch: Path) -> 
     return _reported(conditions.meet_all(bench, scratch), "conditions.csv", options)
 
 
-def _reported(reports: Iterator[Any], name: str, options: argparse.Namespace) -> int:
+def _reported(
+    reports: Iterator[Any], name: str, options: argparse.Namespace, key: Sequence[str] = ()
+) -> int:
     """Print reports as they come; keep them if asked to; return 1 if one is of something wrong."""
     rows = []
     for report in reports:
@@ -105,16 +110,23 @@ def _reported(reports: Iterator[Any], name: str, options: argparse.Namespace) ->
     wrong = sum(bool(row["wrong"]) for row in rows)
     print(f"{wrong} of {len(rows)} mishandled")
     if options.write:
-        _keep(name, rows)
+        _keep(name, rows, key)
     return int(wrong > 0)
 
 
-def _keep(name: str, rows: Sequence[dict[str, Any]]) -> None:
+def _keep(name: str, rows: Sequence[dict[str, Any]], key: Sequence[str] = ()) -> None:
+    """Keep rows in a file; if a key is told, those of other runs with another key stay."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with (FOLDER / name).open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+    file = FOLDER / name
+    held: dict[Any, dict[str, Any]] = {}
+    if key and file.exists():
+        with file.open(encoding="utf-8", newline="") as lines:
+            held = {tuple(row[part] for part in key): row for row in csv.DictReader(lines)}
+    kept = held | {tuple(str(row[part]) for part in key or row): row for row in rows}
+    with file.open("w", encoding="utf-8", newline="") as lines:
+        writer = csv.DictWriter(lines, rows[0], lineterminator="\n")
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows(kept.values())
 
 
 def _printable(text: str) -> str:
@@ -143,6 +155,8 @@ def _options(words: Sequence[str] | None) -> argparse.Namespace:
         )
         if name == "inputs":
             _add_choice(part)
+        if name == "signals":
+            part.add_argument("--only", default="", help="moments whose names contain this text")
     return parser.parse_args(words)
 
 

@@ -50,7 +50,10 @@ def _fault_of(folder: str, longest: int) -> str:
     """Return what keeps a folder from being used, or an empty text."""
     if not Path(folder).is_dir():
         return "is no folder"
-    if not os.access(folder, os.W_OK | os.X_OK):
+    try:
+        with tempfile.TemporaryFile(dir=folder):  # root may write everywhere, and not in /proc
+            pass
+    except OSError:
         return "cannot be written"
     if len(os.fsencode(folder)) > longest:
         return "is too long a path for the sockets of processes"

@@ -116,4 +116,4 @@ def _shown(found: dict[str, str]) -> dict[str, str]:
 def _is_of_a_library(name: str) -> bool:
     """Whether a name is that of a folder of Open MPI's session, or of gmsh's window toolkit."""
     of_mpi = Path(name).name.startswith(("ompi.", "prte", "pmix")) or "/ompi." in name
-    return of_mpi or name.startswith("h/.fltk")
+    return of_mpi or ".fltk" in Path(name).parts

@@ -39,7 +39,8 @@ def _inputs(rows: Rows) -> str:
     longest = max(float(row["longest_seconds"]) for row in rows)
     lines.append(("all", str(count), str(bad), f"{longest:g}"))
     head = ("class", "inputs", "mishandled", "longest (s)")
-    return f"Seed {rows[0]['seed']}: {bad} of {count} mishandled.\n\n{_table(head, lines)}"
+    seeds = ", ".join(dict.fromkeys(row["seed"] for row in rows))
+    return f"Seed {seeds}: {bad} of {count} mishandled.\n\n{_table(head, lines)}"
 
 
 def _moments(rows: Rows) -> str:

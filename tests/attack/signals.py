@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -92,9 +92,7 @@ MOMENTS = (
     Moment("shell", "writing, the last", function=WRITE, call=3),
     Moment("FE", "loading dolfinx", module="dolfinx"),
     Moment("FE", "solving, 1", function="fenics_model.solve.newton:Newton._iterate"),
-    Moment(
-        "FE", "in PETSc's callback", function="fenics_model.solve.newton:Newton._tangent", call=3
-    ),
+    Moment("FE", "factorising, 2", function="fenics_model.solve.newton:Newton._factorise", call=2),
     Moment("FE", "solving, 3", function="fenics_model.solve.newton:Newton._iterate", call=3),
     Moment("FE", "measuring, 2", function=MEASURE, call=5),  # 3 of the start before
     Moment("FE", "writing, 2", function=WRITE, call=2),
@@ -311,10 +309,10 @@ def _hear_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def strike_all(bench: Bench, place: Path, moments: Sequence[Moment] = MOMENTS) -> Iterator[Report]:
-    """Yield what came of Ctrl-C and SIGTERM at each moment."""
+def strike_all(bench: Bench, place: Path, only: str = "") -> Iterator[Report]:
+    """Yield what came of Ctrl-C and SIGTERM at each moment whose name contains a text."""
     runs = Runs(bench, place)
-    for moment in moments:
+    for moment in (m for m in MOMENTS if only in f"{m.run}: {m.what}"):
         for number in (signal.SIGINT, signal.SIGTERM):
             yield runs.strike(moment, number)
 

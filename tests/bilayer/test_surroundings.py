@@ -112,6 +112,14 @@ def test_a_temporary_folder_that_does_not_serve_is_told_and_left(
     assert f"TMPDIR = {folder}: is " in told
 
 
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no folder that not even root writes in")
+def test_a_temporary_folder_that_nobody_can_write_in_is_left(own_temporary_folder, capsys):
+    own_temporary_folder.setenv("TMPDIR", "/proc")
+    take_usable_temporary_folder()
+    assert "TMPDIR" not in os.environ
+    assert "TMPDIR = /proc: cannot be written; " in capsys.readouterr().err
+
+
 def test_a_temporary_folder_that_serves_is_kept(tmp_path, own_temporary_folder, capsys):
     own_temporary_folder.setenv("TMPDIR", str(tmp_path))
     take_usable_temporary_folder()
