@@ -25,7 +25,7 @@ from bilayer.figures.style import (
     print_style,
 )
 from bilayer.results.caveats import is_unstable, touches_itself
-from bilayer.validation import nearest
+from bilayer.validation import finite, nearest
 
 LABELS = {"quality": QUALITY_LABEL, "prestretch": PRESTRETCH_LABEL}
 FIELD_UNITS = {
@@ -136,7 +136,8 @@ def _is_scalar(variable: xr.DataArray) -> bool:
 
 def _is_value(column: pd.Series, name: str, value: Any) -> pd.Series:
     if pd.api.types.is_numeric_dtype(column) and isinstance(value, (int, float)):
-        found = pd.Series(np.isclose(column, value, rtol=1e-9), index=column.index)
+        number = finite(name, value)
+        found = pd.Series(np.isclose(column, number, rtol=1e-9), index=column.index)
     else:
         found = column.astype(str) == str(value)
     if not found.any():

@@ -165,11 +165,13 @@ class StudyFolder:
         InputError
             There is no study in this folder, or its plan is damaged.
         """
-        if not self.plan_file.exists():
+        try:
+            self.plan_file.stat()
+        except OSError as error:
             raise InputError(
-                f"study folder {self.path}: has no plan.json, expected the folder of `bilayer "
-                "study`"
-            )
+                f"study folder {self.path}: has no plan.json ({error.strerror}), expected the "
+                "folder of `bilayer study`"
+            ) from error
         with _named("study plan", self.plan_file):
             return plan_from(read_text(self.plan_file, "study plan", largest=LARGEST_PLAN))
 

@@ -251,14 +251,14 @@ class _Watch:
         self._next = now + BETWEEN_LOOKS
         cpu, before = self._cpu_so_far(), self._cpu
         self._cpu = cpu
-        waits = now > self._begin + self._seconds + BETWEEN_LOOKS / 2 and cpu - before < IDLE
+        waits = now > self._begin + self._seconds + BETWEEN_LOOKS / 2 and abs(cpu - before) < IDLE
         return waits or cpu > self._seconds or now - self._begin > LONGEST * self._seconds
 
     def _cpu_so_far(self) -> float:
         with contextlib.suppress(psutil.NoSuchProcess):
             whole = psutil.Process(self._process)
             times = [p.cpu_times() for p in (whole, *whole.children(recursive=True))]
-            return sum(t.user + t.system for t in times)
+            return sum(t.user + t.system + t.children_user + t.children_system for t in times)
         return self._cpu
 
 

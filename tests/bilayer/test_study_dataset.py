@@ -215,6 +215,7 @@ def test_the_command_draws_a_study(made_study, tmp_path, capsys):
         (["--hue", "cut.strips"], "prestretch has the values 1.03, 1.06: expected one of them"),
         (["--hue", "cut.strip"], "--hue cut.strip: not in this study.*did you mean 'cut.strips'"),
         (["--y", "qualty"], "did you mean 'quality'"),
+        (["--prestretch", 400 * "9"], "prestretch = 9+.*: expected a finite number"),
         (["--prestretch", "1.07"], "prestretch = 1.07: not in this study, expected one of 1.03"),
         (["--select", "cut.strips"], "expected FIELD=VALUE"),
     ]:
