@@ -29,11 +29,12 @@ def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     from bilayer.viewer.page import view  # matplotlib's colours take half a second
 
+    result = open_result(options.result)
     output = Path(options.output or Path(options.result).with_suffix(".html"))
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"page {output}: expected a name in .html")
     other = None if options.other is None else open_result(options.other)
-    view(open_result(options.result), other, Path(options.result).stem).save(output)
+    view(result, other, Path(options.result).stem).save(output)
     if not options.quiet:
         say(one_line(output))
     if not options.no_open:
