@@ -35,7 +35,8 @@ class CorrectionRule:
     history : int
         Changes that the acceleration keeps.
     tangent_cost : float
-        What a new tangent and its factor cost, in corrections.
+        What a new tangent and its factor are taken to cost, in corrections. They take the time of
+        20 to 25; more, because the rate of accelerated corrections recovers after a plateau.
     fresh_rate : float
         What a correction with a new factor is expected to leave of the residual.
     window : int
@@ -49,9 +50,9 @@ class CorrectionRule:
     """
 
     history: int = 12
-    tangent_cost: float = 25.0
+    tangent_cost: float = 60.0
     fresh_rate: float = 0.1
-    window: int = 3
+    window: int = 4
     fewest: int = 2
     most: int = 40
     halvings: int = 8
