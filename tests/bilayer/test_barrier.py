@@ -98,11 +98,13 @@ def test_the_convex_hessian_has_no_negative_eigenvalue(barrier):
 
 
 def test_pairs_that_are_kept_miss_nothing(barrier):
-    """Closer and closer by small steps, and the same from scratch."""
-    fresh = [barrier.at(two_plates(gap)[0]).energy for gap in (2.6e-4, 1e-4)]
-    for gap in np.arange(5e-4, 0.95e-4, -2e-5):
-        last = barrier.at(two_plates(gap)[0])
-    assert last.energy == pytest.approx(fresh[1], rel=1e-12)
+    """From just out of range to well within it, and the same from far away, where all is sought."""
+    far, beyond, within = (two_plates(gap)[0] for gap in (5e-3, 2.6e-4, 1.6e-4))
+    assert barrier.at(beyond).pairs == 0
+    kept = barrier.at(within).energy
+    assert barrier.at(far).pairs == 0
+    assert kept > 0
+    assert kept == pytest.approx(barrier.at(within).energy, rel=1e-12)
 
 
 def test_crossing_and_the_way_to_it(barrier):
