@@ -6,7 +6,6 @@ first point, triangle or edge that fails.
 """
 
 import numpy as np
-import scipy
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
@@ -124,17 +123,39 @@ def _check_edges(triangles: Indices) -> None:
 
 
 def _check_one_piece(triangles: Indices) -> None:
-    count = len(triangles)
-    edge = _numbers_of(np.sort(_directed_edges(triangles)))
-    face = np.tile(np.arange(count), 3)
-    at_edge = scipy.sparse.coo_array((np.ones(len(face)), (face, edge))).tocsr()
-    pieces, piece = scipy.sparse.csgraph.connected_components(at_edge @ at_edge.T, directed=False)
+    piece = _pieces(_numbers_of(np.sort(_directed_edges(triangles))).reshape(3, -1))
+    pieces = len(np.unique(piece))
     if pieces > 1:
         apart = int(np.argmax(piece != piece[0]))
         raise InputError(
             f"the mesh is in {pieces} pieces, {_named(triangles, apart)} shares no edge with that "
             f"of triangle 0: expected one"
         )
+
+
+def _pieces(edge: Indices) -> Indices:
+    """Return the lowest triangle of the piece in which each triangle lies, shape (m,).
+
+    Every triangle takes the lowest number around it, and hands it to the one whose number it had
+    (Shiloach and Vishkin 1982). scipy's `connected_components` takes longer to load than this.
+
+    Parameters
+    ----------
+    edge : (3, m) array of int
+        Numbers of the edges of each triangle.
+    """
+    piece = np.arange(edge.shape[1])
+    while True:
+        lowest = np.full(edge.max() + 1, len(piece))
+        np.minimum.at(lowest, edge, piece[None])
+        around = lowest[edge].min(axis=0)
+        if np.array_equal(around, piece):
+            return piece
+        handed = piece.copy()
+        np.minimum.at(handed, piece, around)
+        while not np.array_equal(handed, handed[handed]):
+            handed = handed[handed]
+        piece = handed
 
 
 def _check_covers_once(points: NDArray[np.float64], triangles: Indices) -> None:
