@@ -131,13 +131,21 @@ def _study() -> ComparedCase:
         words = ["study", "study.toml", "-o", "study", "--quiet"]
         cpu = _run(folder, *words, launcher=("mpirun", "-n", "2"))
         memory = _gigabytes("CHILDREN")
-        results = map(bilayer.open_result, sorted((folder / "study" / "cases").glob("*.nc")))
+        files = (folder / "study" / "cases").glob("*.nc")
+        results = sorted(map(bilayer.open_result, files), key=_varied)
         counts, numbers = zip(
             *((int(one["iterations"].sum()), _numbers(one)) for one in results), strict=True
         )
         return Cost(cpu, memory, sum(counts), None, [x for one in numbers for x in one])
 
     return ComparedCase("study of 60 shells, 4 mm, on two ranks", run, prepare)
+
+
+def _varied(result: xr.Dataset) -> tuple[float, float]:
+    """Return what the study varies; the files' names change with the settings that there are."""
+    kirigami = bilayer.result_specimen(result).layer("kirigami")
+    assert isinstance(kirigami.pattern, bilayer.CutPattern)
+    return kirigami.pattern.cutout_angle, kirigami.thickness
 
 
 def _write_specimen(folder: Path) -> None:
