@@ -41,13 +41,13 @@ def run(options: argparse.Namespace) -> int:
     result = open_result(options.result)
     if not result["converged"].values.any():
         raise InputError(f"result file {options.result}: has no milestone that was reached")
-    _tell_what_is_left_out(options)
     if options.all:
         check_output(options, check_mesh_output, milestone_names(result, options.output))
         for path in convert_milestones(result, options.output, options.part):
             say(one_line(path))
     else:
         convert(result, options.output, options.prestretch, options.part)
+    _tell_what_is_left_out(options)
     return 0
 
 

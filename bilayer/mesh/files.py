@@ -29,7 +29,7 @@ NOT_OF_TRIANGLES = (".ele", ".node", ".f3grid", ".svg", ".wkt")
 """Endings that meshio does not read triangles from; at some it never ends."""
 
 
-WRITTEN_WRONG = (".cgns", ".dgf", ".su2")
+WRITTEN_WRONG = (".cgns", ".dgf", ".ele", ".node", ".su2", ".wkt")
 """Endings of formats that meshio writes so that they cannot be read."""
 WITH_COMPANION = (".xdmf", ".xmf")
 """Endings of formats that keep the numbers in an .h5 file of the same name."""

@@ -21,6 +21,7 @@ from bilayer.errors import InputError
 from bilayer.results.conformity import check_result
 from bilayer.results.netcdf import StoredGroup, read_netcdf, why_not_locked
 from bilayer.runtime.output_file import HDF5_ROOM, check_writable, trial_file, whole_file
+from bilayer.validation import LARGEST
 
 RESUME_GROUP = "resume"
 RESULT_FILE = "result file"
@@ -186,7 +187,7 @@ def open_resume_point(path: str | Path) -> ResumePoint | None:
             raise InputError(f"{RESUME_GROUP}: reasons = {reasons.tolist()!r}, expected texts")
         saved = {name: values for name, (_, values, _) in group.variables.items()}
         for name, values in saved.items():
-            if values.dtype.kind == "f" and not np.isfinite(values).all():
+            if values.dtype.kind == "f" and not (np.abs(values) <= LARGEST).all():  # nor a nan
                 raise InputError(f"{RESUME_GROUP}: {name} holds values that are no finite numbers")
     return ResumePoint(int(tried), tuple(reason for reason in reasons if reason), saved)
 

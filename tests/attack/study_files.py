@@ -65,14 +65,16 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
                 f"a value of a setting: {label}", vary={"settings.dshell.total_time": [value]}
             )
         for name in RANGE:
-            if name in ("start", "stop") and label in ("minus", "number"):
+            if label == "number" or (name != "num" and label == "minus"):
                 continue
             yield put(f"range: {name} {label}", vary={"cut.cutout_angle": {**RANGE, name: value}})
         for name in ("n", "seed"):
             if label == "number":
                 continue
             yield sampled(f"{name}: {label}", **{name: value})
-        yield sampled(f"low: {label}", **{"substrate.young_modulus": {"low": value, "high": 1e6}})
+        if label not in ("number", "minus"):
+            low = {"low": value, "high": 1e6}
+            yield sampled(f"low: {label}", **{"substrate.young_modulus": low})
         yield sampled(f"limits: {label}", **{"substrate.young_modulus": value})
     for field in (
         "",
@@ -208,9 +210,13 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         "the root": "/proc",
     }.items():
         for last in ((), ("--case", "1"), ("--dry-run",)):
+            right = (
+                Right.EITHER if last == ("--dry-run",) else Right.REFUSED
+            )  # which writes nothing
             yield Attempt(
                 "study file",
                 f"-o {name} {' '.join(last)}".strip(),
                 ("study", "study.toml", f"--output={target}", "--quiet", *last),
                 {"s.toml": bench.specimen, "study.toml": good},
+                right,
             )
