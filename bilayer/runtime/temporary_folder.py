@@ -28,7 +28,7 @@ def take_usable_temporary_folder(longest: int = LONGEST) -> None:
     longest : int
         Bytes that its path may have.
     """
-    given = {name: os.environ[name] for name in VARIABLES if os.environ.get(name)}
+    given = {name: os.environ[name] for name in VARIABLES if name in os.environ}
     wrong = {name: fault for name, folder in given.items() if (fault := _fault_of(folder, longest))}
     if not wrong:
         return
@@ -48,7 +48,7 @@ def take_usable_temporary_folder(longest: int = LONGEST) -> None:
 
 def _fault_of(folder: str, longest: int) -> str:
     """Return what keeps a folder from being used, or an empty text."""
-    if not Path(folder).is_dir():
+    if not folder or not Path(folder).is_dir():
         return "is no folder"
     try:
         with tempfile.TemporaryFile(dir=folder):  # root may write everywhere, and not in /proc

@@ -45,7 +45,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         **variables: str | None,
     ) -> Attempt:
         files = {"s.toml": bench.specimen, "good.nc": bench.result, **(made or {})}
-        outputs = (*MADE.get(words, ()), "../h/.cache*", "../h/.config*")
+        outputs = (*MADE.get(words, ()), "../h/.cache*", "../h/.config*", "home_*/.c*")
         makes = MADE.get(words, ()) if right is Right.ACCEPTED else ()
         return Attempt(
             "environment",

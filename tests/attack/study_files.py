@@ -48,7 +48,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         for label, value in ODD.items():
             if label in ("table", "empty table") and key in ("settings", "vary"):
                 continue
-            yield put(f"{key}: {label}", says=key if label != "deep" else "nested", **{key: value})
+            yield put(f"{key}: {label}", says=rf"{key}|nested|TOML", **{key: value})
     for key in ("specimen", "solver"):
         yield put(f"{key} is missing", says=key, **{key: None})
     for label, value in ODD.items():

@@ -120,6 +120,13 @@ def test_a_temporary_folder_that_nobody_can_write_in_is_left(own_temporary_folde
     assert "TMPDIR = /proc: cannot be written; " in capsys.readouterr().err
 
 
+def test_an_empty_name_of_a_temporary_folder_is_left(own_temporary_folder, capsys):
+    own_temporary_folder.setenv("TMPDIR", "")
+    take_usable_temporary_folder()
+    assert "TMPDIR" not in os.environ
+    assert "TMPDIR = : is no folder; " in capsys.readouterr().err
+
+
 def test_a_temporary_folder_that_serves_is_kept(tmp_path, own_temporary_folder, capsys):
     own_temporary_folder.setenv("TMPDIR", str(tmp_path))
     take_usable_temporary_folder()
