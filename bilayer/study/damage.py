@@ -15,12 +15,22 @@ Notice = Callable[[str], None]
 
 
 def set_aside_strange(folder: StudyFolder, notice: Notice) -> None:
-    """Set aside what is no regular file where the study keeps one: to open it might never end."""
-    for path in folder.own_files:
-        if (path.exists() or path.is_symlink()) and not path.is_file():
-            notice(set_aside(path, f"study file {path}: is no regular file"))
-    if (folder.cases.exists() or folder.cases.is_symlink()) and not folder.cases.is_dir():
-        notice(set_aside(folder.cases, f"study file {folder.cases}: is no folder"))
+    """Set aside what is no regular file where the study keeps one: to open it might never end.
+
+    Raises
+    ------
+    InputError
+        The system does not look for such a name, for example one that is too long.
+    """
+    try:
+        for path in folder.own_files:
+            if (path.exists() or path.is_symlink()) and not path.is_file():
+                notice(set_aside(path, f"study file {path}: is no regular file"))
+        if (folder.cases.exists() or folder.cases.is_symlink()) and not folder.cases.is_dir():
+            notice(set_aside(folder.cases, f"study file {folder.cases}: is no folder"))
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"study folder {folder.path}: cannot be made ({reason})") from error
 
 
 def set_aside_plan(folder: StudyFolder, notice: Notice) -> None:

@@ -310,3 +310,10 @@ def test_what_a_killed_process_left_is_removed_by_the_next_start(finished):
     assert main(words) == 0
     assert [path for path in folder.path.rglob(".*.*") if path.is_dir()] == []
     assert {path.name for path in folder.path.iterdir() if ".damaged" not in path.name} == before
+
+
+@pytest.mark.parametrize("more", [[], ["--case", "1"]])
+def test_a_folder_whose_name_is_too_long_is_refused(finished, more, capsys):
+    words, _, _ = finished
+    assert main([*words[:2], "-o", "a" * 5000, *more]) == 2
+    assert "cannot be made (File name too long)" in capsys.readouterr().err
