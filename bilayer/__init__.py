@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from bilayer.results.files import open_result, write_result
     from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
+    from bilayer.scan.cloud import Cloud, read_cloud
+    from bilayer.scan.comparison import compare_scan
     from bilayer.solvers.registry import follow, solve
     from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.materials import (
@@ -102,6 +104,8 @@ _MODULES = {
     "bilayer.results.files": ("open_result", "write_result"),
     "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
+    "bilayer.scan.cloud": ("Cloud", "read_cloud"),
+    "bilayer.scan.comparison": ("compare_scan",),
     "bilayer.solvers.registry": ("follow", "solve"),
     "bilayer.specimen.materials": (
         "ArrudaBoyce",

@@ -25,6 +25,7 @@ FLOORS = {
         ["contact"],
         ["measures"],
         ["results"],
+        ["scan"],
         ["solvers"],
         ["calculix"],
         ["figures"],

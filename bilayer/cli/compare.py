@@ -1,4 +1,4 @@
-"""The verb `compare`: two results beside one another."""
+"""The verb `compare`: two results beside one another, or a result and a scan of the part."""
 
 import argparse
 from pathlib import Path
@@ -9,6 +9,7 @@ from bilayer.cli.parser import add_verb
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
 from bilayer.runtime.terminal import say
+from bilayer.specimen.units import in_si
 
 
 def add(verbs: Any) -> None:
@@ -17,7 +18,11 @@ def add(verbs: Any) -> None:
         verbs, run, "compare",
         "bilayer compare fenics.nc shell.nc -o comparison.png",
     )  # fmt: skip
-    verb.add_argument("results", nargs=2, metavar="FILE.nc")
+    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument(
+        "other", metavar="OTHER", help="another result (.nc), or a scan (.stl .ply .obj .csv ...)"
+    )
+    verb.add_argument("--unit", default="mm", help="of a scan's coordinates (default: mm)")
     verb.add_argument("-o", "--output", metavar="FIGURE", help="also draw the comparison")
 
 
@@ -27,13 +32,31 @@ def run(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import check_figure_output
 
     check_output(options, check_figure_output)
-    first, second = (open_result(path) for path in options.results)
+    if Path(options.other).suffix.lower() != ".nc":
+        return _compare_scan(options)
+    first, second = (open_result(path) for path in (options.result, options.other))
     comparison = compare(first, second)
     if comparison.attrs["first"] == comparison.attrs["second"]:  # the files tell them apart
-        for side, path in zip(("first", "second"), options.results, strict=True):
+        for side, path in zip(("first", "second"), (options.result, options.other), strict=True):
             comparison.attrs[side] += f" ({Path(path).name})"
     if not options.quiet:
         say(comparison_table(comparison))
     if options.output is not None:
         save_figure(draw_comparison(comparison), options.output)
+    return 0
+
+
+def _compare_scan(options: argparse.Namespace) -> int:
+    from bilayer.figures.saving import save_figure  # matplotlib takes half a second
+    from bilayer.figures.scan import draw_scan
+    from bilayer.scan.cloud import read_cloud
+    from bilayer.scan.comparison import best_match, compare_scan, scan_table
+
+    unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
+    result, cloud = open_result(options.result), read_cloud(options.other, unit)
+    matches = compare_scan(result, cloud)
+    if not options.quiet:
+        say(scan_table(matches))
+    if options.output is not None:
+        save_figure(draw_scan(cloud, matches[best_match(matches)]), options.output)
     return 0

@@ -1,0 +1,42 @@
+"""A scan laid onto a shape: where it is away, and how far, from above and as a histogram."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from bilayer.figures.style import MM_PER_M, new_figure, print_style
+from bilayer.scan.cloud import Cloud
+from bilayer.scan.comparison import ScanMatch
+
+SHOWN = 20_000
+"""Points drawn."""
+
+
+def draw_scan(scan: Cloud, match: ScanMatch) -> Figure:
+    """Draw the scan's points from above, coloured by their distance, and how often which occurs.
+
+    Parameters
+    ----------
+    scan : Cloud
+        All of its points are drawn, or many.
+    match : ScanMatch
+        Of the milestone that is drawn, made with all points of the scan.
+    """
+    counted = np.flatnonzero(~match.outliers)
+    shown = counted[:: max(1, len(counted) // SHOWN)]
+    points = MM_PER_M * match.motion.moved(scan.points[shown])
+    distance = MM_PER_M * match.distances
+    largest = float(np.abs(distance[counted]).max()) or 1.0
+    order = np.argsort(points[:, 2])
+    with print_style():
+        figure = new_figure(7.0, 3.4)
+        above, beside = figure.subplots(1, 2, width_ratios=(1.4, 1))
+        drawn = above.scatter(
+            *points[order, :2].T, c=distance[shown][order], s=1.5, cmap="coolwarm",
+            vmin=-largest, vmax=largest, rasterized=True,
+        )  # fmt: skip
+        above.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)", title=match.title)
+        figure.colorbar(drawn, ax=above, label="distance (mm), above the shape positive")
+        beside.hist(distance[counted], bins=60, color="0.5")
+        beside.set(xlabel="distance (mm)", ylabel="points")
+        beside.set_title(f"rms {MM_PER_M * match.rms:.3f} mm")
+        return figure

@@ -1,0 +1,1 @@
+"""A measured part against the shapes of a result."""

@@ -1,0 +1,159 @@
+"""A scan against the shapes of a result: which milestone it is, and how far it is away."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.geometry.surface import Surface
+from bilayer.results.milestones import along_milestones
+from bilayer.results.released_shapes import MM_PER_M, released_shapes
+from bilayer.results.schema import result_mesh
+from bilayer.scan.cloud import Cloud
+from bilayer.scan.placing import Motion, outlier_limit, placed
+from bilayer.scan.samples import even_samples
+
+Array = NDArray[np.float64]
+SAMPLES = 20_000
+"""Points that stand for a shape."""
+BACK = 2
+"""Every second of them is looked at from the shape to the scan."""
+RANKED = 10_000
+"""Points of the scan by which milestones are ranked; the best one gets all of them."""
+
+
+@dataclass(frozen=True)
+class ScanMatch:
+    """A scan laid onto the shape of one milestone.
+
+    Parameters
+    ----------
+    title : str
+        The milestone.
+    motion : Motion
+        What lays the scan onto the shape, m.
+    distances : ndarray, shape (n,)
+        Of the scan's points from the shape, positive on its upper side, m; outliers among them.
+    outliers : ndarray of bool, shape (n,)
+        Which of them do not count.
+    back : ndarray, shape (m,)
+        Distances of points of the shape from the nearest point of the scan, m.
+    spacing : float
+        About the distance between neighbours in the scan, m.
+    diagonal : float
+        Of the box around the shape, m.
+    """
+
+    title: str
+    motion: Motion
+    distances: Array
+    outliers: NDArray[np.bool_]
+    back: Array
+    spacing: float
+    diagonal: float
+
+    @property
+    def inner(self) -> Array:
+        """Absolute distances of the points that count, m."""
+        return np.abs(self.distances[~self.outliers])
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the distances that count, m."""
+        return float(np.sqrt(np.mean(self.inner**2)))
+
+    @property
+    def coverage(self) -> float:
+        """Share of the shape that has a point of the scan beside it."""
+        reach = 3 * self.spacing + 3 * self.rms
+        return float(np.mean(self.back <= reach))
+
+    @property
+    def cost(self) -> float:
+        """By which milestones are ranked, m: both ways, the farthest sixth left out."""
+        ways = [np.sort(np.abs(self.distances)), np.sort(self.back)]
+        kept = [way[: math.ceil(5 * len(way) / 6)] for way in ways]
+        return float(np.sqrt(sum(np.mean(way**2) for way in kept) / 2))
+
+
+def compare_scan(result: xr.Dataset, scan: Cloud) -> list[ScanMatch]:
+    """Lay a scan onto the shape of each milestone.
+
+    Parameters
+    ----------
+    result : Dataset
+        See `bilayer.results.schema`. Its `position` is what the scan is held against.
+    scan : Cloud
+        Of the part.
+
+    Returns
+    -------
+    list of ScanMatch
+        One for each milestone that has a shape; the one of the least `cost` fits best.
+
+    Raises
+    ------
+    InputError
+        The result holds no shape.
+    """
+    reached = along_milestones(result)
+    shapes = released_shapes(reached, result_mesh(reached))
+    some = scan.thinned(RANKED)
+    matches = [_match(shape.title, _in_metres(shape.surface), some) for shape in shapes]
+    best = best_match(matches)
+    motion = matches[best].motion
+    surface = _in_metres(shapes[best].surface)
+    matches[best] = _laid(shapes[best].title, surface, scan.points, motion)
+    return matches
+
+
+def best_match(matches: list[ScanMatch]) -> int:
+    """Return the place of the milestone that fits best."""
+    return min(range(len(matches)), key=lambda place: matches[place].cost)
+
+
+def scan_table(matches: list[ScanMatch]) -> str:
+    """Return a line a milestone, lengths in mm and in per cent of the diagonal; * fits best."""
+    best = matches[best_match(matches)]
+    lines = [
+        "mm         rms (of the diagonal)    mean    95 %  largest  outliers  covered",
+    ]
+    for match in matches:
+        inner = MM_PER_M * match.inner
+        share = 100 * match.rms / match.diagonal
+        lines.append(
+            f"{match.title:8} {'*' if match is best else ' '}"
+            f"{MM_PER_M * match.rms:8.3f} ({share:.2f} %)  {inner.mean():14.3f} "
+            f"{np.quantile(inner, 0.95):7.3f} {inner.max():8.3f} "
+            f"{100 * match.outliers.mean():7.1f} % {100 * match.coverage:6.1f} %"
+        )
+    return "\n".join(lines)
+
+
+def _match(title: str, surface: Surface, points: Array) -> ScanMatch:
+    return _laid(title, surface, points, placed(points, even_samples(surface, SAMPLES)))
+
+
+def _laid(title: str, surface: Surface, scan: Array, motion: Motion) -> ScanMatch:
+    """Return the distances of a scan after a motion."""
+    samples = even_samples(surface, SAMPLES)
+    points = motion.moved(scan)
+    distances, _ = samples.distances(points)
+    outliers = np.abs(distances) > outlier_limit(distances)
+    spacing = math.sqrt(surface.areas.sum() / max(np.count_nonzero(~outliers), 1))
+    back = _tree(points[~outliers]).query(samples.points[::BACK])[0]
+    diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
+    return ScanMatch(title, motion, distances, outliers, back, spacing, diagonal)
+
+
+def _tree(points: Array) -> Any:
+    from scipy.spatial import cKDTree  # slow to load
+
+    return cKDTree(points)
+
+
+def _in_metres(surface: Surface) -> Surface:
+    return Surface(np.asarray(surface.points / MM_PER_M, dtype=np.float64), surface.triangles)

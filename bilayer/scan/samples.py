@@ -1,0 +1,99 @@
+"""Points that lie evenly on a surface, with its normals."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.geometry.surface import Surface
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points of a surface.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        m.
+    normals : ndarray, shape (n, 3)
+        Unit normals of their triangles.
+    spacing : float
+        About the distance between neighbours, m.
+    """
+
+    points: Array
+    normals: Array
+    spacing: float
+
+    @cached_property
+    def size(self) -> float:
+        """Largest extent along an axis, m."""
+        return float(np.ptp(self.points, axis=0).max())
+
+    @cached_property
+    def tree(self) -> Any:
+        """For the nearest of them."""
+        from scipy.spatial import cKDTree  # slow to load
+
+        return cKDTree(self.points)
+
+    def distances(self, points: Array) -> tuple[Array, NDArray[np.int64]]:
+        """Return the signed distances of points from the surface, and the nearest samples.
+
+        Beside a sample the distance is that from the plane of its triangle; beyond the rim that
+        from the sample. It is positive on the upper side.
+
+        Parameters
+        ----------
+        points : ndarray, shape (m, 3)
+            m.
+        """
+        apart, nearest = self.tree.query(points)
+        along = np.sum((points - self.points[nearest]) * self.normals[nearest], axis=1)
+        aside = np.sqrt(np.maximum(apart**2 - along**2, 0.0))
+        beyond = aside > 2 * self.spacing
+        signed = np.where(beyond, np.copysign(apart, along), along)
+        return signed, nearest
+
+    def is_beyond(self, points: Array, nearest: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether points lie beyond the rim, as seen along the normal of the nearest sample."""
+        offset = points - self.points[nearest]
+        along = np.sum(offset * self.normals[nearest], axis=1)
+        aside = np.linalg.norm(offset - along[:, None] * self.normals[nearest], axis=1)
+        return np.asarray(aside > 2 * self.spacing)
+
+
+def even_samples(surface: Surface, count: int) -> Samples:
+    """Return about so many points, as many on each triangle as its area asks for.
+
+    They follow the sequence R2 of low discrepancy (Roberts 2018), folded onto the triangle, so the
+    same surface gives the same points.
+
+    Parameters
+    ----------
+    surface : Surface
+        m.
+    count : int
+        How many.
+    """
+    areas = surface.areas
+    shares = np.cumsum(areas) / areas.sum() * count
+    ends = np.rint(shares).astype(np.int64)
+    number = np.diff(ends, prepend=0)
+    face = np.repeat(np.arange(len(areas)), number)
+    k = np.arange(len(face)) + 0.5
+    golden = 1.32471795724474602596
+    a, b = (k / golden) % 1.0, (k / golden**2) % 1.0
+    outside = a + b > 1
+    a, b = np.where(outside, 1 - a, a), np.where(outside, 1 - b, b)
+    corners = surface.corners[face]
+    points = corners[:, 0] + a[:, None] * (corners[:, 1] - corners[:, 0])
+    points += b[:, None] * (corners[:, 2] - corners[:, 0])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normals = (surface.area_vectors / areas[:, None])[face]
+    return Samples(points, normals, float(np.sqrt(areas.sum() / max(len(face), 1))))
