@@ -6,6 +6,10 @@ import sys
 
 import pytest
 
+from bilayer.runtime.petsc import start_petsc
+
+start_petsc()  # as the command does, before a test's own imports start it with handlers of signals
+
 
 @pytest.fixture
 def bilayer_command(tmp_path):
