@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mesh.divided_sheet import CORNER, SNAP
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.mesh.validity import check_covers_once
 from bilayer.specimen.specimen import Specimen
 
 ON_OUTLINE = 1e-3
@@ -34,6 +35,7 @@ def check_agreement(specimen: Specimen, mesh: PlanarMesh) -> None:
     A bilayer of two whole layers takes a mesh with a pattern of its own: the mesh defines it.
     """
     _check_names(specimen, mesh)
+    check_covers_once(mesh.points, mesh.triangles)
     _check_outline(specimen, mesh)
     for name in specimen.layer_names:
         if len(mesh.faces_of(name)) == 0:

@@ -17,7 +17,7 @@ from bilayer.mesh.files import read_mesh_file, write_mesh_file
 from bilayer.mesh.gmsh_files import PhysicalGroups, groups_by_tag
 from bilayer.mesh.layers_of_groups import groups_of_sets, name_of_layers, region_by_groups
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.mesh.validity import check_nodes, check_points
+from bilayer.mesh.validity import check_covers_once, check_nodes, check_points
 from bilayer.specimen.two_layers import TWO_LAYERS
 
 if TYPE_CHECKING:
@@ -110,7 +110,9 @@ def read_planar_mesh(
     """
     data, groups = read_mesh_file(path)
     try:
-        return _planar(data, groups, tuple(layer_sets))
+        mesh = _planar(data, groups, tuple(layer_sets))
+        check_covers_once(mesh.points, mesh.triangles)
+        return mesh
     except InputError as error:
         raise InputError(f"mesh file {path}: {error}") from error
 

@@ -56,7 +56,6 @@ def check_sheet(points: NDArray[np.float64], triangles: Indices) -> None:
     _check_shapes(points, triangles)
     _check_edges(triangles)
     _check_one_piece(triangles)
-    _check_covers_once(points, triangles)
 
 
 def check_nodes(count: int, triangles: Indices) -> None:
@@ -158,8 +157,12 @@ def _pieces(edge: Indices) -> Indices:
         piece = handed
 
 
-def _check_covers_once(points: NDArray[np.float64], triangles: Indices) -> None:
-    """No place of the plane lies in two triangles, as on a mesh that is wound around twice."""
+def check_covers_once(points: NDArray[np.float64], triangles: Indices) -> None:
+    """Raise InputError if a place of the plane lies in two triangles of a sheet.
+
+    So it does on a mesh that is wound around twice. No specimen is such a sheet, though a shell of
+    its own may be, such as a ring that is slit and overlaps.
+    """
     corners = points[triangles]
     tree = shapely.STRtree(shapely.polygons(corners))
     place, holder = tree.query(shapely.points(corners.mean(axis=1)), predicate="within")

@@ -10,6 +10,8 @@ from sheets import trilayer
 
 from bilayer import InputError, PlanarMesh, paper_specimen
 from bilayer.cli.main import main
+from bilayer.mesh.agreement import check_agreement
+from bilayer.mesh.validity import check_covers_once
 from bilayer.results.report import describe_trust
 from bilayer.specimen.doubts import doubts
 from bilayer.specimen.layer import Response
@@ -235,9 +237,10 @@ def annulus_wound(turns):
 
 
 def test_a_mesh_that_is_wound_around_twice_is_refused():
-    assert len(PlanarMesh(*annulus_wound(1)).triangles) == 46
+    once, twice = (PlanarMesh(*annulus_wound(turns)) for turns in (1, 2))
+    check_covers_once(once.points, once.triangles)
     with pytest.raises(InputError, match="covers each place once"):
-        PlanarMesh(*annulus_wound(2))
+        check_agreement(paper_specimen(), twice)
 
 
 def test_what_is_hardly_meant_is_asked_about(folder, capsys):
