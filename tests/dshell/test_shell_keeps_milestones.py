@@ -22,6 +22,7 @@ from bilayer.results.files import open_resume_point
 from bilayer.runtime import output_file, version
 from bilayer.solvers import recording
 from bilayer.specimen.toml import specimen_to_toml
+from dshell.release import coarse_start
 from dshell.release.specimen_path import ShellPath
 
 KILLS = 10
@@ -219,7 +220,8 @@ def test_a_signal_while_the_last_milestone_is_kept_loses_nothing(
 def test_a_signal_on_the_coarse_mesh_that_comes_first_gives_no_result_of_it(
     coarse_specimen, tmp_path, monkeypatch, capsys
 ):
-    signal_in(monkeypatch, PLACES["measuring"], signal.SIGTERM, at_call=1)
+    shape_is_handed_on = (coarse_start, "_share_within_hull")  # of the coarse mesh, to the fine one
+    signal_in(monkeypatch, shape_is_handed_on, signal.SIGTERM, at_call=1)
     (tmp_path / "s.toml").write_text(specimen_to_toml(coarse_specimen.with_milestones([1.02])))
     words = [str(tmp_path / "s.toml"), "--solver", "dshell", "--quiet", "--mesh-size", "0.0045"]
     few = ["--set", "solver.coarse_triangles=120", "-o", str(tmp_path / "run.nc")]
