@@ -19,11 +19,13 @@ TARGETS = [(1.02, 1.02), (1.03, 1.03), (1.02, 1.02), (1.02, 1.02), (1.03, 1.02)]
 MESH = generate_mesh(COARSE)
 
 
+SHARP = SolidSettings(tolerance=1e-13)
+"""For differences of equilibria: the corrections stop as soon as the tolerance is met."""
+
+
 def open_path(specimen=COARSE, start=None):
     return closing(
-        SOLVER.open_path(
-            specimen, SolidSettings(), mesh=MESH, start=start, comm=None, progress=None
-        )
+        SOLVER.open_path(specimen, SHARP, mesh=MESH, start=start, comm=None, progress=None)
     )
 
 
