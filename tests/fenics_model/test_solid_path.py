@@ -80,8 +80,9 @@ def test_a_restored_path_goes_on_as_if_it_had_never_been_left(visited, done):
         for step, (shape, effort, _) in zip(
             at_targets(path, TARGETS, first=done), visited[done:], strict=True
         ):
-            assert step.point.position == pytest.approx(shape, abs=1e-12)
-            assert step.effort.iterations == effort.iterations
+            assert step.point.position == pytest.approx(shape, abs=1e-10)
+            # among several ranks sums come in any order, and round-off decides the last iterations
+            assert step.effort.iterations == pytest.approx(effort.iterations, rel=0.1, abs=2)
 
 
 @pytest.mark.mpi
