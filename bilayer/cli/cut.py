@@ -6,7 +6,7 @@ from typing import Any
 
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
-from bilayer.cli.specimen_arguments import milestone_argument
+from bilayer.cli.specimen_arguments import add_specimen_file, milestone_argument
 from bilayer.cutting.files import (
     check_cut_ending,
     check_cut_output,
@@ -28,14 +28,10 @@ def add(verbs: Any) -> None:
         verbs, run, "cut",
         "bilayer cut specimen.toml -o parts.dxf --kerf '0.2 mm'",
     )  # fmt: skip
-    verb.add_argument("specimen", help="the specimen's TOML file")
+    add_specimen_file(verb)
     verb.add_argument(
         "-o", "--output", required=True,
         help="file in .dxf, .svg or .pdf; with several layers the name of each is added to it",
-    )  # fmt: skip
-    verb.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="replace one value of the specimen",
     )  # fmt: skip
     verb.add_argument(
         "--layer", action="append", metavar="NAME", help="this layer alone; may be repeated"

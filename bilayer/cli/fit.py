@@ -12,10 +12,10 @@ from bilayer.fitting.measurement import Measurement, read_measurement
 from bilayer.fitting.report import comparison_table, fit_report
 from bilayer.runtime.terminal import say
 from bilayer.specimen.layer import layer_name
+from bilayer.specimen.materials.stability import LOADINGS
 from bilayer.validation import positive
 
 ALL = "all"
-LOADED = ("uniaxial", "equibiaxial", "planar")
 
 
 def add(verbs: Any) -> None:
@@ -25,7 +25,7 @@ def add(verbs: Any) -> None:
         "bilayer fit tensile.csv --law mooney-rivlin -o fit.png",
     )  # fmt: skip
     verb.add_argument("tests", nargs="*", metavar="FILE.csv", help="uniaxial tests")
-    for loading in LOADED:
+    for loading in LOADINGS:
         verb.add_argument(
             f"--{loading}", action="append", default=[], metavar="FILE.csv",
             help=f"a test under {loading} tension; may be repeated",
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _measurements(options: argparse.Namespace) -> list[Measurement]:
-    files = {loading: list(getattr(options, loading)) for loading in LOADED}
+    files = {loading: list(getattr(options, loading)) for loading in LOADINGS}
     files["uniaxial"] = [*options.tests, *files["uniaxial"]]
     read = [
         read_measurement(path, loading, options.stretch_column, options.stress_column)

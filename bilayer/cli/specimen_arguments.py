@@ -21,12 +21,17 @@ from bilayer.specimen.toml import read_specimen
 
 
 def add_specimen_arguments(verb: Parser) -> None:
-    """Add the specimen file and what may be changed of it."""
-    verb.add_argument("specimen", help="the specimen's TOML file")
+    """Add the specimen file and what may be changed of it, its mesh size too."""
+    add_specimen_file(verb)
     verb.add_argument(
         "--mesh-size", metavar="M",
         help="edge length of the planar mesh, a number in m or a text such as '4 mm'",
     )  # fmt: skip
+
+
+def add_specimen_file(verb: Parser) -> None:
+    """Add the specimen file and what may be changed of it, for a verb that meshes nothing."""
+    verb.add_argument("specimen", help="the specimen's TOML file")
     verb.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
         help="replace one value of the specimen, as in --set substrate.thickness='0.8 mm'",

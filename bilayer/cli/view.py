@@ -5,9 +5,11 @@ import webbrowser
 from pathlib import Path
 from typing import Any
 
+from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
+from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.terminal import one_line, say
 
 
@@ -30,7 +32,9 @@ def run(options: argparse.Namespace) -> int:
     from bilayer.viewer.page import view  # matplotlib's colours take half a second
 
     result = open_result(options.result)
-    output = Path(options.output or Path(options.result).with_suffix(".html"))
+    options.output = options.output or str(Path(options.result).with_suffix(".html"))
+    check_output(options, check_writable)
+    output = Path(options.output)
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"page {output}: expected a name in .html")
     other = None if options.other is None else open_result(options.other)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from bilayer.cutting.obstacles import Obstacle, obstacles
@@ -116,7 +117,7 @@ def write_cut_files(
         crosses = [line @ part.relaxation.T for line in bonded_marks]
         with whole_file(own, "cut file") as file:
             write(file, path_of_tool, crosses, chosen)
-        length = sum(_length(ring) for ring in path_of_tool)
+        length = sum(shapely.Polygon(ring).length for ring in path_of_tool)
         found = tuple(obstacles(part.region, least_web, kerf))
         written.append(CutFile(own, part, length, found))
     return written
@@ -220,7 +221,3 @@ def _page(cuts: Lines, marks: Lines) -> tuple[float, float, float, float]:
     low, high = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
     (x, y), (width, height) = low / MM, (high - low) / MM
     return float(x), float(y), float(width), float(height)
-
-
-def _length(ring: NDArray[np.float64]) -> float:
-    return float(np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1).sum())

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import shapely
 
 from bilayer.drawings.contours import place
+from bilayer.specimen.outline import pieces_of
 
 SHARE = 1e-3
 """Narrower by this share than asked for counts: a web of just the least width does not."""
@@ -70,7 +71,7 @@ def obstacles(region: shapely.Geometry, least_web: float, kerf: float) -> list[O
 
 
 def _loose(region: shapely.Geometry) -> list[Obstacle]:
-    pieces = sorted(_pieces(region), key=lambda piece: -piece.area)
+    pieces = sorted(pieces_of(region), key=lambda piece: -piece.area)
     return [
         Obstacle(f"loose piece of {1e6 * piece.area:.3g} mm2", _point_in(piece))
         for piece in pieces[1:]
@@ -87,7 +88,7 @@ def _narrow(region: shapely.Geometry, width: float, what: str) -> list[Obstacle]
     wide = region.buffer(-radius, quad_segs=ARC)
     reached = wide.buffer(radius * (1 + SHARE), quad_segs=ARC)
     places = []
-    for rest in _pieces(shapely.difference(region, reached)):
+    for rest in pieces_of(shapely.difference(region, reached)):
         rim = shapely.segmentize(rest.exterior, width / 8)
         depth = shapely.distance(shapely.points(rim.coords), reached).max()
         if depth < SLIVER * width:
@@ -95,7 +96,7 @@ def _narrow(region: shapely.Geometry, width: float, what: str) -> list[Obstacle]
         circle = shapely.maximum_inscribed_circle(rest, tolerance=1e-3 * width)
         middle = shapely.Point(circle.coords[0])
         breadth = 2 * region.boundary.distance(middle)
-        contacts = _pieces(shapely.intersection(reached, rest.buffer(SHARE * width)))
+        contacts = pieces_of(shapely.intersection(reached, rest.buffer(SHARE * width)))
         tapers = rest.area < FULL * breadth * rest.length / 2
         if breadth < width * (1 - SHARE) and not (tapers and len(contacts) == 1):
             places.append(middle)
@@ -114,8 +115,8 @@ def _narrow(region: shapely.Geometry, width: float, what: str) -> list[Obstacle]
 def _necks(region: shapely.Geometry, wide: shapely.Geometry) -> list[shapely.Point]:
     """Return the places at which a piece of a region falls apart into its wide parts."""
     necks = []
-    for piece in _pieces(region):
-        parts = [part for part in _pieces(wide) if piece.contains(part.representative_point())]
+    for piece in pieces_of(region):
+        parts = [part for part in pieces_of(wide) if piece.contains(part.representative_point())]
         for part in sorted(parts, key=lambda part: part.area)[:-1]:
             others = shapely.union_all([other for other in parts if other is not part])
             bridge = shapely.shortest_line(part, others)
@@ -131,7 +132,7 @@ def _rounded(region: shapely.Geometry, kerf: float) -> list[Obstacle]:
     grown = region.buffer(radius, quad_segs=ARC).buffer(-radius, quad_segs=ARC)
     rests = [
         rest
-        for rest in _pieces(shapely.difference(grown, region))
+        for rest in pieces_of(shapely.difference(grown, region))
         if rest.area > 1e-2 * radius**2  # of a right angle it is 0.21
     ]
     if not rests:
@@ -139,11 +140,6 @@ def _rounded(region: shapely.Geometry, kerf: float) -> list[Obstacle]:
     number = f"{len(rests)} inner corners stay" if len(rests) > 1 else "an inner corner stays"
     text = f"{number} rounded to the kerf's radius of {1e3 * radius:g} mm, the first"
     return [Obstacle(text, _point_in(rests[0]))]
-
-
-def _pieces(region: shapely.Geometry) -> list[shapely.Polygon]:
-    geometries = getattr(region, "geoms", [region])
-    return [piece for piece in geometries if piece.geom_type == "Polygon" and piece.area > 0]
 
 
 def _point_in(piece: shapely.Geometry) -> tuple[float, float]:

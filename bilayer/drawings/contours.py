@@ -53,8 +53,8 @@ def closed_contours(lines: Sequence[Line], joint: float) -> list[Points]:
 def even_odd(rings: Sequence[Points]) -> shapely.Geometry:
     """Return what lies within an odd number of rings, m."""
     region: shapely.Geometry = shapely.Polygon()
-    for ring in sorted(rings, key=lambda ring: -shapely.Polygon(ring).area):
-        region = shapely.symmetric_difference(region, shapely.Polygon(ring))
+    for polygon in sorted(map(shapely.Polygon, rings), key=lambda polygon: -polygon.area):
+        region = shapely.symmetric_difference(region, polygon)
     return region
 
 

@@ -7,8 +7,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bilayer.figures.regions import region_colours, region_name, regions_of
-from bilayer.figures.style import MM_PER_M, new_figure, print_style
+from bilayer.figures.style import new_figure, print_style
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.released_shapes import MM_PER_M
 
 BILAYER_EDGE, BARE_EDGE = "black", "#D5202A"
 

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.figures.caveat_marks import mark_caveats
 from bilayer.figures.style import (
-    MM_PER_M,
     RESULT_COLOURS,
     RESULT_MARKERS,
     label_text,
@@ -22,6 +21,7 @@ from bilayer.figures.style import (
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.comparison import compare, result_label
 from bilayer.results.milestones import along_milestones
+from bilayer.results.released_shapes import MM_PER_M
 
 QUALITY_LABEL = "quality (0 hemisphere, 1 flat)"
 PRESTRETCH_LABEL = "prestretch λ"

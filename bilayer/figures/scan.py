@@ -3,7 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from bilayer.figures.style import MM_PER_M, new_figure, print_style
+from bilayer.figures.style import new_figure, print_style
+from bilayer.results.released_shapes import MM_PER_M
 from bilayer.scan.cloud import Cloud
 from bilayer.scan.comparison import ScanMatch
 

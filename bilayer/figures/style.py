@@ -9,9 +9,6 @@ from matplotlib.figure import Figure
 
 from bilayer.runtime.terminal import one_line
 
-MM_PER_M = 1e3
-"""Millimetres in a metre: lengths are drawn in mm."""
-
 KIRIGAMI_COLOUR, BARE_COLOUR = "#4477AA", "#EEBB44"
 FURTHER_COLOURS = ("#228833", "#AA3377", "#66CCEE", "#CCBB44", "#BBBBBB")
 """Of regions: all layers, one layer, any between (Paul Tol's bright scheme)."""

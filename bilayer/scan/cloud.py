@@ -45,13 +45,6 @@ class Cloud:
         if not np.isfinite(self.points).all():
             raise InputError(f"scan {self.name}: expected finite coordinates")
 
-    def thinned(self, count: int, seed: int = 0) -> Array:
-        """Return at most so many of the points, drawn at random."""
-        if len(self.points) <= count:
-            return self.points
-        chosen = np.random.default_rng(seed).choice(len(self.points), count, replace=False)
-        return self.points[chosen]
-
 
 def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
     """Read a scan.

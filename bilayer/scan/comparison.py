@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,7 +13,7 @@ from bilayer.results.released_shapes import MM_PER_M, released_shapes
 from bilayer.results.schema import result_mesh
 from bilayer.scan.cloud import Cloud
 from bilayer.scan.placing import Motion, outlier_limit, placed
-from bilayer.scan.samples import even_samples
+from bilayer.scan.samples import Samples, at_most, even_samples
 
 Array = NDArray[np.float64]
 SAMPLES = 20_000
@@ -101,12 +100,15 @@ def compare_scan(result: xr.Dataset, scan: Cloud) -> list[ScanMatch]:
     """
     reached = along_milestones(result)
     shapes = released_shapes(reached, result_mesh(reached))
-    some = scan.thinned(RANKED)
-    matches = [_match(shape.title, _in_metres(shape.surface), some) for shape in shapes]
+    surfaces = [even_samples(_in_metres(shape.surface), SAMPLES) for shape in shapes]
+    some = at_most(RANKED, scan.points)
+    matches = [
+        _laid(shape.title, surface, some, placed(some, surface))
+        for shape, surface in zip(shapes, surfaces, strict=True)
+    ]
     best = best_match(matches)
-    motion = matches[best].motion
-    surface = _in_metres(shapes[best].surface)
-    matches[best] = _laid(shapes[best].title, surface, scan.points, motion)
+    fitting = matches[best]
+    matches[best] = _laid(fitting.title, surfaces[best], scan.points, fitting.motion)
     return matches
 
 
@@ -133,26 +135,17 @@ def scan_table(matches: list[ScanMatch]) -> str:
     return "\n".join(lines)
 
 
-def _match(title: str, surface: Surface, points: Array) -> ScanMatch:
-    return _laid(title, surface, points, placed(points, even_samples(surface, SAMPLES)))
-
-
-def _laid(title: str, surface: Surface, scan: Array, motion: Motion) -> ScanMatch:
+def _laid(title: str, surface: Samples, scan: Array, motion: Motion) -> ScanMatch:
     """Return the distances of a scan after a motion."""
-    samples = even_samples(surface, SAMPLES)
-    points = motion.moved(scan)
-    distances, _ = samples.distances(points)
-    outliers = np.abs(distances) > outlier_limit(distances)
-    spacing = math.sqrt(surface.areas.sum() / max(np.count_nonzero(~outliers), 1))
-    back = _tree(points[~outliers]).query(samples.points[::BACK])[0]
-    diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
-    return ScanMatch(title, motion, distances, outliers, back, spacing, diagonal)
-
-
-def _tree(points: Array) -> Any:
     from scipy.spatial import cKDTree  # slow to load
 
-    return cKDTree(points)
+    points = motion.moved(scan)
+    distances = surface.nearest(points).distance
+    outliers = np.abs(distances) > outlier_limit(distances)
+    area = len(surface.points) * surface.spacing**2
+    spacing = math.sqrt(area / max(np.count_nonzero(~outliers), 1))
+    back = cKDTree(points[~outliers]).query(surface.points[::BACK])[0]
+    return ScanMatch(title, motion, distances, outliers, back, spacing, surface.diagonal)
 
 
 def _in_metres(surface: Surface) -> Surface:

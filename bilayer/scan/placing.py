@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.scan.samples import Samples
+from bilayer.scan.samples import Samples, at_most
 
 Array = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def placed(scan: Array, surface: Samples) -> Motion:
     surface : Samples
         What they are laid onto.
     """
-    few, some, many = (_drawn(scan, count) for count in (COARSE, MEDIUM, FINE))
+    few, some, many = (at_most(count, scan) for count in (COARSE, MEDIUM, FINE))
     likely = _lowest(starts(scan, surface), few, surface, count=24)
     rough = [_refined(start, few, surface, steps=4) for start in likely]
     best = _lowest(rough, few, surface, count=4)
@@ -93,7 +93,7 @@ def starts(scan: Array, surface: Samples) -> list[Motion]:
         for sign in (1, -1):
             upright = np.array([own[0], sign * own[1], sign * own[2]])
             for turn in 2 * math.pi * np.arange(TURNS) / TURNS:
-                rotation = frame.T @ _about_last(turn) @ upright
+                rotation = frame.T @ _rotation(np.array([0.0, 0.0, turn])) @ upright
                 found.append(Motion(rotation, home - rotation @ centre))
     return found
 
@@ -109,16 +109,17 @@ def _refined(
     """Return a motion after some steps towards the tangent planes of the nearest samples."""
     for _ in range(steps):
         points = motion.moved(scan)
-        distance, nearest = surface.distances(points)
-        size = np.abs(distance)
-        limit = outlier_limit(distance) if robust else np.quantile(size, KEPT)
+        found = surface.nearest(points)
+        size = np.abs(found.distance)
+        limit = outlier_limit(found.distance) if robust else np.quantile(size, KEPT)
         near = size <= limit
         if robust:
-            near &= ~surface.is_beyond(points, nearest)
+            near &= ~found.is_beyond
         if near.sum() < 6:
             return motion
-        offset = points[near] - surface.points[nearest[near]]
-        step = _step(points[near], offset, surface.normals[nearest[near]])
+        sample = found.sample[near]
+        offset = points[near] - surface.points[sample]
+        step = _step(points[near], offset, surface.normals[sample])
         motion = motion.then(step)
         turn = np.linalg.norm(step.rotation - np.eye(3))
         if turn < STILL and np.linalg.norm(step.shift) < STILL * surface.size:
@@ -158,13 +159,10 @@ def _step(points: Array, offset: Array, normals: Array) -> Motion:
 
 
 def _rotation(turn: Array) -> Array:
-    """Return the rotation by a vector (Rodrigues)."""
-    angle = float(np.linalg.norm(turn))
-    if angle == 0:
-        return np.eye(3)
-    x, y, z = turn / angle
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross)
+    """Return the rotation by a vector, shape (3, 3)."""
+    from scipy.spatial.transform import Rotation  # slow to load
+
+    return np.asarray(Rotation.from_rotvec(turn).as_matrix())
 
 
 def _lowest(motions: Sequence[Motion], scan: Array, surface: Samples, count: int) -> list[Motion]:
@@ -185,15 +183,3 @@ def _frame(points: Array) -> tuple[Array, Array]:
     if np.linalg.det(frame) < 0:
         frame[0] *= -1
     return centre, frame
-
-
-def _about_last(angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _drawn(points: Array, count: int) -> Array:
-    """Return at most so many points, drawn at random."""
-    if len(points) <= count:
-        return points
-    return points[np.random.default_rng(0).choice(len(points), count, replace=False)]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +24,14 @@ class Samples:
         Unit normals of their triangles.
     spacing : float
         About the distance between neighbours, m.
+    diagonal : float
+        Of the box around the surface, m.
     """
 
     points: Array
     normals: Array
     spacing: float
+    diagonal: float
 
     @cached_property
     def size(self) -> float:
@@ -42,30 +45,45 @@ class Samples:
 
         return cKDTree(self.points)
 
-    def distances(self, points: Array) -> tuple[Array, NDArray[np.int64]]:
-        """Return the signed distances of points from the surface, and the nearest samples.
-
-        Beside a sample the distance is that from the plane of its triangle; beyond the rim that
-        from the sample. It is positive on the upper side.
+    def nearest(self, points: Array) -> "Nearest":
+        """Return where points lie, seen from the nearest samples.
 
         Parameters
         ----------
         points : ndarray, shape (m, 3)
             m.
         """
-        apart, nearest = self.tree.query(points)
-        along = np.sum((points - self.points[nearest]) * self.normals[nearest], axis=1)
+        apart, sample = self.tree.query(points)
+        along = np.sum((points - self.points[sample]) * self.normals[sample], axis=1)
         aside = np.sqrt(np.maximum(apart**2 - along**2, 0.0))
         beyond = aside > 2 * self.spacing
-        signed = np.where(beyond, np.copysign(apart, along), along)
-        return signed, nearest
+        return Nearest(sample, np.where(beyond, np.copysign(apart, along), along), beyond)
 
-    def is_beyond(self, points: Array, nearest: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Whether points lie beyond the rim, as seen along the normal of the nearest sample."""
-        offset = points - self.points[nearest]
-        along = np.sum(offset * self.normals[nearest], axis=1)
-        aside = np.linalg.norm(offset - along[:, None] * self.normals[nearest], axis=1)
-        return np.asarray(aside > 2 * self.spacing)
+
+class Nearest(NamedTuple):
+    """Where points lie, seen from the nearest samples of a surface.
+
+    Parameters
+    ----------
+    sample : ndarray of int, shape (m,)
+        Number of the nearest one.
+    distance : ndarray, shape (m,)
+        From the plane of its triangle, m; beyond the rim from the sample itself. Positive on the
+        upper side.
+    is_beyond : ndarray of bool, shape (m,)
+        Whether a point lies beyond the rim.
+    """
+
+    sample: NDArray[np.int64]
+    distance: Array
+    is_beyond: NDArray[np.bool_]
+
+
+def at_most(count: int, points: Array) -> Array:
+    """Return at most so many points, drawn at random, always the same."""
+    if len(points) <= count:
+        return points
+    return points[np.random.default_rng(0).choice(len(points), count, replace=False)]
 
 
 def even_samples(surface: Surface, count: int) -> Samples:
@@ -96,4 +114,6 @@ def even_samples(surface: Surface, count: int) -> Samples:
     points += b[:, None] * (corners[:, 2] - corners[:, 0])
     with np.errstate(invalid="ignore", divide="ignore"):
         normals = (surface.area_vectors / areas[:, None])[face]
-    return Samples(points, normals, float(np.sqrt(areas.sum() / max(len(face), 1))))
+    spacing = float(np.sqrt(areas.sum() / max(len(face), 1)))
+    diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
+    return Samples(points, normals, spacing, diagonal)

@@ -335,8 +335,14 @@ def ring(field: str, points: Iterable[Sequence[float]]) -> Ring:
     return tuple(corners)
 
 
+def pieces_of(region: shapely.Geometry) -> list[shapely.Polygon]:
+    """Return the polygons of a region; points and lines, such as of an intersection, are none."""
+    pieces = getattr(region, "geoms", [region])
+    return [piece for piece in pieces if piece.geom_type == "Polygon" and piece.area > 0]
+
+
 def rings_of(region: shapely.Geometry) -> list[list[tuple[float, float]]]:
     """Return the corners of all edges of a region, each once, m; of each piece the outer first."""
-    pieces = [piece for piece in getattr(region, "geoms", [region]) if piece.area > 0]
+    pieces = pieces_of(region)
     edges = [edge for piece in pieces for edge in (piece.exterior, *piece.interiors)]
     return [[(float(x), float(y)) for x, y, *_ in edge.coords[:-1]] for edge in edges]

@@ -2,6 +2,7 @@
 
 import base64
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from bilayer.measures.sphere import fit_sphere
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.comparison import result_label
 from bilayer.results.milestones import along_milestones
-from bilayer.results.released_shapes import Shape, released_shapes
+from bilayer.results.released_shapes import MM_PER_M, Shape, released_shapes
 from bilayer.results.schema import result_mesh
 
 STEPS = 32767
@@ -66,7 +67,7 @@ class Model:
         mesh = result_mesh(result)
         return cls(result_label(result), mesh, released_shapes(result, mesh))
 
-    @property
+    @cached_property
     def positions(self) -> NDArray[np.float64]:
         """Of the nodes of all shapes, mm, shape (shapes, nodes, 3)."""
         return np.array([shape.surface.points for shape in self.shapes])
@@ -88,7 +89,7 @@ def scene_of(results: list[xr.Dataset]) -> dict[str, Any]:
         A result holds no shape.
     """
     first, *others = [Model.of(result) for result in results]
-    fields, models = fields_of(first.shapes), []
+    fields, models = node_fields(first), []
     for other in others:
         places = _places(first, other)
         if other.mesh.same_as(first.mesh):
@@ -124,7 +125,9 @@ def _packed(model: Model, fields: list[Field]) -> dict[str, Any]:
     """Return a result: faces by region, shapes and fields."""
     mesh, positions = model.mesh, model.positions
     size = float(np.abs(positions).max())
-    order = np.argsort([regions_of(mesh).index(number) for number in mesh.region], kind="stable")
+    regions = regions_of(mesh)
+    faces = [mesh.triangles[mesh.region == region] for region in regions]
+    colours = region_colours(mesh)
     known = [field for field in fields if np.isfinite(field.values).any()]
     return {
         "name": model.name,
@@ -133,31 +136,21 @@ def _packed(model: Model, fields: list[Field]) -> dict[str, Any]:
         "notes": [shape.note for shape in model.shapes],
         "scale": size / STEPS,
         "positions": packed(np.rint(positions / size * STEPS), "<i2"),
-        "flat": packed(1e3 * (mesh.points - mesh.points.mean(axis=0)), "<f4"),
-        "faces": packed(mesh.triangles[order], "<u4"),
-        "regions": _regions(mesh),
+        "flat": packed(MM_PER_M * (mesh.points - mesh.points.mean(axis=0)), "<f4"),
+        "faces": packed(np.concatenate(faces), "<u4"),
+        "regions": [
+            {"name": region_name(mesh, region), "colour": colours[region], "count": len(own)}
+            for region, own in zip(regions, faces, strict=True)
+        ],
         "fields": [_packed_field(field) for field in known],
     }
 
 
-def _regions(mesh: PlanarMesh) -> list[dict[str, Any]]:
-    """Return name, colour and number of triangles of each region, in the order of the faces."""
-    colours = region_colours(mesh)
-    return [
-        {
-            "name": region_name(mesh, region),
-            "colour": colours[region],
-            "count": int(np.count_nonzero(mesh.region == region)),
-        }
-        for region in regions_of(mesh)
-    ]
-
-
-def fields_of(shapes: list[Shape]) -> list[Field]:
+def node_fields(model: Model) -> list[Field]:
     """Return what the shapes can be coloured by: height, distance from the best sphere."""
-    points = np.array([shape.surface.points for shape in shapes])
-    height = points[:, :, 2] - points[:, :, 2].min(axis=1, keepdims=True)
-    distances = np.array([_from_sphere(shape) for shape in shapes])
+    z = model.positions[:, :, 2]
+    height = z - z.min(axis=1, keepdims=True)
+    distances = np.array([_from_sphere(shape) for shape in model.shapes])
     return [
         Field("height", "mm", height),
         Field("distance from the best sphere", "mm", distances),

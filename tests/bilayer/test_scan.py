@@ -58,7 +58,7 @@ def test_a_scan_without_noise_lies_on_its_shape(result):
     turn = Rotation.from_rotvec([0.3, -2.0, 1.0]).as_matrix()
     points = even_samples(surface, 3000).points @ turn.T + [0.1, -0.2, 0.3]
     samples = even_samples(surface, 20_000)
-    distance, _ = samples.distances(placed(points, samples).moved(points))
+    distance = samples.nearest(placed(points, samples).moved(points)).distance
     assert np.quantile(np.abs(distance), 0.95) < 2e-5
     assert (
         np.abs(distance).max() < 3e-4
@@ -72,7 +72,7 @@ def test_distances_are_positive_above_the_shape_and_from_the_rim_beyond_it():
     )
     samples = even_samples(square, 20_000)
     points = np.array([(0.02, 0.02, 0.001), (0.01, 0.01, -0.002), (0.05, 0.02, 0.0)])
-    distance, _ = samples.distances(points)
+    distance = samples.nearest(points).distance
     assert distance[:2] == pytest.approx([0.001, -0.002], rel=1e-9)
     assert abs(distance[2]) == pytest.approx(0.01, rel=0.05)
 
