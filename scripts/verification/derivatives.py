@@ -27,6 +27,13 @@ def derivative(function: Callable[[Array], Array], state: Array, step: float) ->
     return np.stack(columns, axis=-1)
 
 
+def derivative_by_points(
+    function: Callable[[Array], Array | float], points: Array, step: float
+) -> Array:
+    """Derivative of a function of points (n, 3), by each coordinate in a last axis."""
+    return derivative(lambda x: function(x.reshape(-1, 3)), points.reshape(-1), step)
+
+
 def rough_dome(mesh: PlanarMesh, extra_dofs: int) -> Array:
     """A state far from equilibrium: a dome with every degree of freedom disturbed."""
     rng = np.random.default_rng(1)

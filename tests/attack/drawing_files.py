@@ -11,7 +11,7 @@ from typing import Any
 from attack.attempt import Attempt, Right
 from attack.specimen_files import LONG, STUDY, changed
 from attack.toml_text import document
-from attack.values import NO_CHOICE, NO_LENGTH
+from attack.values import NO_CHOICE, NO_FILES, NO_LENGTH
 
 DRY = ("study", "study.toml", "-o", "st", "--dry-run", "--quiet")
 SVG = (
@@ -152,11 +152,7 @@ def _no_drawings() -> Iterator[Attempt]:
             "zeros": bytes(300),
             "binary": bytes(range(256)) * 4,
             "a text": b"hello\nworld\n",
-            "a folder": lambda path: path.mkdir(),
-            "a pipe": os.mkfifo,
-            "zeros without end": lambda path: path.symlink_to("/dev/zero"),
-            "a link to nothing": lambda path: path.symlink_to("none"),
-            "a link to itself": lambda path: path.symlink_to(path.name),
+            **NO_FILES,
         }.items():
             yield _of(f"{ending}: {name}", content, f"d.{ending}")
     for name, content in {

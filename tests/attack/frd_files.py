@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 import re
 from collections.abc import Callable, Iterator
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from attack.attempt import Attempt, Right
+from attack.values import NO_FILES
 from bilayer import open_result
 from bilayer.geometry.alignment import rms_distance
 
@@ -193,13 +193,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
     yield of("another mesh size", whole, words=(*WORDS, "--mesh-size", "0.03"))
     yield of("another specimen", whole, words=(*WORDS, "--set", "substrate.thickness=0.003"))
     yield of("no such prestretch", whole, words=(*WORDS[:4], "1.5", *WORDS[5:]))
-    for name, make in {
-        "a folder": lambda path: path.mkdir(),
-        "a pipe": os.mkfifo,
-        "zeros without end": lambda path: path.symlink_to("/dev/zero"),
-        "a link to nothing": lambda path: path.symlink_to("none"),
-        "a link to itself": lambda path: path.symlink_to(path.name),
-    }.items():
+    for name, make in NO_FILES.items():
         yield of(name, make)
         yield of(f".sta is {name}", whole, sta=make)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import random
 from collections.abc import Iterator
 from typing import Any
 
 from attack.attempt import Attempt, Right
+from attack.values import NO_FILES
 
 FIT = ("fit", "t.csv", "--law", "neo-hookean")
 DAMAGES = 40
@@ -62,11 +62,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         "UTF-16": good.encode("utf-16"),
         "an open quote": 'stretch,"stress\n1.1,2\n',
         "a NUL": good + "\0",
-        "a folder": lambda path: path.mkdir(),
-        "a pipe": os.mkfifo,
-        "zeros without end": lambda path: path.symlink_to("/dev/zero"),
-        "a link to nothing": lambda path: path.symlink_to("none"),
-        "a link to itself": lambda path: path.symlink_to(path.name),
+        **NO_FILES,
     }.items():
         right = Right.REFUSED
         if name in ("all the same", "one row", "a stretch of 0", "a row too long", "a NUL"):

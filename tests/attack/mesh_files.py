@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -13,6 +12,7 @@ import meshio
 import numpy as np
 
 from attack.attempt import Attempt, Right
+from attack.values import NO_FILES
 
 FORMATS = (
     "msh",
@@ -391,11 +391,7 @@ def _damaged(bench: Any, chance: random.Random) -> Iterator[Attempt]:
 def _no_files(bench: Any) -> Iterator[Attempt]:
     for ending in ("msh", "vtu", "nc", "stl"):
         for name, make in {
-            "a folder": lambda path: path.mkdir(),
-            "a pipe": os.mkfifo,
-            "a link to nothing": lambda path: path.symlink_to("none"),
-            "a link to itself": lambda path: path.symlink_to(path.name),
-            "zeros without end": lambda path: path.symlink_to("/dev/zero"),
+            **NO_FILES,
             "nothing": lambda path: path.symlink_to("/dev/null"),
             "noise without end": lambda path: path.symlink_to("/dev/urandom"),
         }.items():

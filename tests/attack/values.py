@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import datetime
 import math
+import os
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from attack.toml_text import Raw
@@ -190,3 +193,11 @@ SAME: dict[str, Any] = {
     "stretches": lambda v: ([[x, x] for x in v], [*v, *v]),
 }
 """By kind: other ways to write the same."""
+NO_FILES: dict[str, Callable[[Path], object]] = {
+    "a folder": Path.mkdir,
+    "a pipe": os.mkfifo,
+    "zeros without end": lambda path: path.symlink_to("/dev/zero"),
+    "a link to nothing": lambda path: path.symlink_to("none"),
+    "a link to itself": lambda path: path.symlink_to(path.name),
+}
+"""What makes something else where a file is expected."""

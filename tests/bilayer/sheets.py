@@ -73,3 +73,33 @@ def trilayer(outline=OUTLINES["disc"], lower=None, upper=None, **options):
         Layer("upper", 1.6e-3, MATERIAL, 1000.0, upper),
     )
     return Specimen(outline, layers, Prestretch((1.05,)), **{"mesh": MeshSize(0.0025), **options})
+
+
+def drawn_sheet(folder, pattern, outline='outer_radius = "40 mm"'):
+    """A specimen file whose kirigami has a pattern, as TOML; its path."""
+    path = folder / "sheet.toml"
+    path.write_text(
+        f"""
+[specimen]
+{outline}
+[[layers]]
+name = "substrate"
+thickness = "1 mm"
+material = "soft"
+response = "path"
+[[layers]]
+name = "kirigami"
+thickness = "1 mm"
+material = "soft"
+pattern = {pattern}
+[materials.soft]
+young_modulus = "116.25 kPa"
+poisson_ratio = 0.49
+[prestretch]
+milestones = [1.03]
+[mesh]
+size = "6 mm"
+""",
+        encoding="utf-8",
+    )
+    return path

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from verification.derivatives import derivative_by_points
 
 from bilayer.contact.barrier import Barrier
 from bilayer.contact.package import contact_is_installed, require_contact
@@ -45,24 +46,14 @@ def barrier():
     return Barrier(triangles, apart, fibres, neighbours, range=RANGE, stiffness=STIFFNESS)
 
 
-def differences(function, points):
-    columns = []
-    for shift in STEP * np.eye(points.size):
-        step = shift.reshape(-1, 3)
-        near = function(points + step) - function(points - step)
-        far = function(points + 2 * step) - function(points - 2 * step)
-        columns.append((8 * near - far) / (12 * STEP))
-    return np.stack(columns, axis=-1)
-
-
 def test_derivatives_agree_with_finite_differences(barrier):
     points, _ = two_plates(1e-4)
     found = barrier.at(points)
     gradient = found.gradient.reshape(-1)
-    expected = differences(lambda x: barrier.at(x).energy, points)
+    expected = derivative_by_points(lambda x: barrier.at(x).energy, points, STEP)
     assert found.pairs > 20
     assert np.abs(gradient - expected).max() < 1e-7 * np.abs(expected).max()
-    expected = differences(lambda x: barrier.at(x).gradient.reshape(-1), points)
+    expected = derivative_by_points(lambda x: barrier.at(x).gradient.reshape(-1), points, STEP)
     assert np.abs(found.hessian() - expected).max() < 1e-7 * np.abs(expected).max()
 
 

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 import shapely
-from sheets import PATTERNS
+from sheets import PATTERNS, drawn_sheet
 
 import bilayer
 from bilayer.cli.main import main
@@ -57,28 +57,8 @@ def test_a_specimen_from_its_own_cut_file(tmp_path):
     """Through the specimen file, kerf and all."""
     specimen = bilayer.paper_specimen()
     write_cut_files(specimen, tmp_path / "kirigami.dxf", ["kirigami"], kerf=2e-4)
-    (tmp_path / "again.toml").write_text("""
-[specimen]
-outer_radius = "40 mm"
-[[layers]]
-name = "substrate"
-thickness = "1 mm"
-material = "soft"
-response = "path"
-[[layers]]
-name = "kirigami"
-thickness = "1 mm"
-material = "soft"
-pattern = { drawing = "kirigami.dxf", layer = "cut", what = "kept", kerf = "0.2 mm" }
-[materials.soft]
-young_modulus = "100 kPa"
-poisson_ratio = 0.49
-[prestretch]
-milestones = [1.06]
-[mesh]
-size = "6 mm"
-""")
-    read = bilayer.read_specimen(tmp_path / "again.toml").region_of("kirigami")
+    pattern = '{ drawing = "kirigami.dxf", layer = "cut", what = "kept", kerf = "0.2 mm" }'
+    read = bilayer.read_specimen(drawn_sheet(tmp_path, pattern)).region_of("kirigami")
     kept = specimen.region_of("kirigami")
     assert shapely.hausdorff_distance(read.boundary, kept.boundary) < 1e-6
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from sheets import drawn_sheet
 
 import bilayer
 from bilayer.drawings.contours import even_odd
@@ -295,35 +296,6 @@ def test_what_is_wrong_in_a_drawing_is_told_with_its_place(tmp_path: Path, name:
         DrawingSource(path).contours()
 
 
-def sheet(folder: Path, pattern: str, outline: str = 'outer_radius = "40 mm"') -> Path:
-    path = folder / "sheet.toml"
-    path.write_text(
-        f"""
-[specimen]
-{outline}
-[[layers]]
-name = "substrate"
-thickness = "1 mm"
-material = "soft"
-response = "path"
-[[layers]]
-name = "kirigami"
-thickness = "1 mm"
-material = "soft"
-pattern = {pattern}
-[materials.soft]
-young_modulus = "116.25 kPa"
-poisson_ratio = 0.49
-[prestretch]
-milestones = [1.03]
-[mesh]
-size = "6 mm"
-""",
-        encoding="utf-8",
-    )
-    return path
-
-
 PETALS = (
     '<g id="rim"><circle cx="40" cy="40" r="30" stroke="green" fill="none"/></g>'
     '<g id="cut"><path d="M 50,40 Q 60,30 75,40 Q 60,50 50,40 Z" stroke="red" fill="none"/></g>'
@@ -334,7 +306,7 @@ def test_a_specimen_holds_its_drawings(tmp_path: Path) -> None:
     svg(tmp_path / "petals.svg", PETALS, 'width="80mm" height="80mm" viewBox="0 0 80 80"')
     pattern = '{ drawing = "petals.svg", layer = "cut", origin = ["40 mm", "-40 mm"] }'
     outline = 'outline = { drawing = "petals.svg", layer = "rim", origin = ["40 mm", "-40 mm"] }'
-    specimen = bilayer.read_specimen(sheet(tmp_path, pattern, outline))
+    specimen = bilayer.read_specimen(drawn_sheet(tmp_path, pattern, outline))
     (tmp_path / "petals.svg").unlink()
     assert bilayer.parse_specimen(bilayer.specimen_to_toml(specimen)) == specimen
     assert specimen.outline.area == pytest.approx(math.pi * 0.03**2, rel=1e-6)
@@ -348,7 +320,7 @@ def test_a_specimen_holds_its_drawings(tmp_path: Path) -> None:
 
 def test_a_cut_outside_of_the_sheet_is_told_with_its_place(tmp_path: Path) -> None:
     svg(tmp_path / "far.svg", '<circle cx="70" cy="5" r="2" stroke="red"/>')
-    path = sheet(tmp_path, '{ drawing = "far.svg" }')
+    path = drawn_sheet(tmp_path, '{ drawing = "far.svg" }')
     with pytest.raises(InputError, match=r"outside of the sheet, around \(70, -5\) mm"):
         bilayer.read_specimen(path)
 
@@ -370,12 +342,12 @@ def test_a_wrong_table_of_a_drawing_is_told(tmp_path: Path, pattern: str, words:
     svg(tmp_path / "petals.svg", PETALS)
     (tmp_path / "petals.pdf").write_bytes(b"%PDF")
     with pytest.raises(InputError, match=words):
-        bilayer.read_specimen(sheet(tmp_path, pattern))
+        bilayer.read_specimen(drawn_sheet(tmp_path, pattern))
 
 
 def test_a_text_from_elsewhere_names_no_drawing(tmp_path: Path) -> None:
     svg(tmp_path / "petals.svg", PETALS)
-    text = sheet(tmp_path, f'{{ drawing = "{tmp_path}/petals.svg" }}').read_text()
+    text = drawn_sheet(tmp_path, f'{{ drawing = "{tmp_path}/petals.svg" }}').read_text()
     with pytest.raises(InputError, match=r"drawing = .*: expected in a specimen file alone"):
         bilayer.parse_specimen(text)
 
@@ -396,7 +368,7 @@ def test_an_image_is_contoured(tmp_path: Path) -> None:
     speck = np.hypot(x - 20, y - 20) < 4
     image.fromarray(np.where(ring | speck, 0, 255).astype("uint8")).save(tmp_path / "ring.png")
     pattern = '{ image = "ring.png", width = "60 mm", smoothing = "0.5 mm", least_area = "9 mm^2" }'
-    specimen = bilayer.read_specimen(sheet(tmp_path, pattern))
+    specimen = bilayer.read_specimen(drawn_sheet(tmp_path, pattern))
     kept = specimen.region_of("kirigami")
     assert kept.area == pytest.approx(math.pi * (0.024**2 - 0.012**2), rel=3e-3)
     assert len(specimen.layer("kirigami").pattern.contours) == 2

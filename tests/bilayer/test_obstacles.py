@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from verification.derivatives import derivative_by_points
 
 from bilayer.contact.obstacles import ObstacleBarrier, Plane, Sphere
 from bilayer.contact.several import SeveralBarriers
@@ -34,22 +35,12 @@ def points(obstacle):
     return points_at(obstacle, np.linspace(0.2, 1.35, 12) * RANGE)
 
 
-def differences(function, points):
-    columns = []
-    for shift in STEP * np.eye(points.size):
-        step = shift.reshape(-1, 3)
-        near = function(points + step) - function(points - step)
-        far = function(points + 2 * step) - function(points - 2 * step)
-        columns.append((8 * near - far) / (12 * STEP))
-    return np.stack(columns, axis=-1)
-
-
 def test_derivatives_agree_with_finite_differences(barrier, points):
     found = barrier.at(points)
     assert 0 < found.pairs < 12
-    expected = differences(lambda x: barrier.at(x).energy, points)
+    expected = derivative_by_points(lambda x: barrier.at(x).energy, points, STEP)
     assert np.abs(found.gradient.reshape(-1) - expected).max() < 1e-7 * np.abs(expected).max()
-    expected = differences(lambda x: barrier.at(x).gradient.reshape(-1), points)
+    expected = derivative_by_points(lambda x: barrier.at(x).gradient.reshape(-1), points, STEP)
     assert np.abs(found.hessian() - expected).max() < 1e-7 * np.abs(expected).max()
     values = np.linalg.eigvalsh(found.convex_hessian().toarray())
     assert values.min() > -1e-9 * values.max()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import diags
 from scipy.spatial.transform import Rotation
+from verification.derivatives import derivative_by_points
 
 from bilayer import MeshSize, generate_mesh, paper_specimen
 from bilayer.contact.skin import BondedBody, skin_of
@@ -48,17 +49,6 @@ class Quadratic:
         return diags(self._square).tocsr()
 
 
-def slopes(function, nodes):
-    """Return the derivative of a function by each coordinate: differences of fourth order."""
-    columns = []
-    for shift in STEP * np.eye(nodes.size):
-        step = shift.reshape(-1, 3)
-        near = function(nodes + step) - function(nodes - step)
-        far = function(nodes + 2 * step) - function(nodes - 2 * step)
-        columns.append((8 * near - far) / (12 * STEP))
-    return np.stack(columns, axis=-1)
-
-
 def test_derivatives_agree_with_finite_differences(body, dome):
     skin = SkinMap.of(body)
     function = Quadratic(skin)
@@ -66,11 +56,11 @@ def test_derivatives_agree_with_finite_differences(body, dome):
     def gradient(nodes):
         return skin.pull_back(nodes, function.gradient(skin.points(nodes))).reshape(-1)
 
-    expected = slopes(lambda nodes: function.value(skin.points(nodes)), dome)
+    expected = derivative_by_points(lambda nodes: function.value(skin.points(nodes)), dome, STEP)
     assert np.abs(gradient(dome) - expected).max() < 1e-7 * np.abs(expected).max()
     by_points = function.gradient(skin.points(dome))
     hessian = skin.pull_back_hessian(dome, by_points, function.hessian()).toarray()
-    expected = slopes(gradient, dome)
+    expected = derivative_by_points(gradient, dome, STEP)
     assert np.abs(hessian - expected).max() < 1e-7 * np.abs(expected).max()
 
 
