@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from bilayer.errors import ComputationError, InputError
 from bilayer.fitting.laws import FITTED, Fitted
 from bilayer.fitting.measurement import Measurement
-from bilayer.specimen.materials.hyperelastic import Hyperelastic
-from bilayer.specimen.materials.moduli import shear_and_bulk
+from bilayer.specimen.materials.hyperelastic import Hyperelastic, shear_and_d1
 from bilayer.specimen.materials.stability import LOADINGS, strain_slopes
 from bilayer.validation import one_of
 
@@ -151,17 +150,19 @@ def fit(
     weights = tuple(_weight(m) for m in measurements)
     best = _best(how, measurements, weights, bounded)
     fitted = how.law(best.x, _d1(how.law(best.x, 0.0), poisson_ratio))
-    squares = float(best.fun @ best.fun) * sum(len(m.stretch) for m in measurements)
-    squares /= len(measurements)
+    squares = float(best.fun @ best.fun)
+    mean_square = squares / len(
+        measurements
+    )  # of a measurement's residuals over its largest stress
     return Fit(
         law,
         fitted,
         _constants(how, best, count),
         tuple(measurements),
         weights,
-        math.sqrt(squares / count),
-        _r_squared(fitted, measurements, weights),
-        _aicc(squares, count, len(how.names)),
+        math.sqrt(mean_square),
+        _r_squared(squares, measurements, weights),
+        _aicc(mean_square, count, len(how.names)),
         bounded,
     )
 
@@ -244,27 +245,23 @@ def _constants(how: Fitted, best: Any, count: int) -> tuple[Constant, ...]:
 
 def _d1(law: Hyperelastic, poisson_ratio: float) -> float:
     """Return D1 of a law's shear modulus and a Poisson ratio, 1/Pa."""
-    young = 2 * law.shear_modulus * (1 + poisson_ratio)
-    bulk = shear_and_bulk(young, poisson_ratio)[1]
-    return 0.0 if math.isinf(bulk) else 2 / bulk
+    return shear_and_d1(2 * law.shear_modulus * (1 + poisson_ratio), poisson_ratio)[1]
 
 
 def _r_squared(
-    law: Hyperelastic, measurements: Sequence[Measurement], weights: Sequence[float]
+    squares: float, measurements: Sequence[Measurement], weights: Sequence[float]
 ) -> float:
-    """Return the weighted coefficient of determination."""
-    rest = total = 0.0
-    for m, weight in zip(measurements, weights, strict=True):
-        rest += float(
-            np.sum((weight * (nominal_stress(law, m.loading, m.stretch) - m.stress)) ** 2)
-        )
-        total += float(np.sum((weight * (m.stress - m.stress.mean())) ** 2))
-    return 1 - rest / total if total else math.nan
+    """Return the coefficient of determination of weighted residuals, given their squares."""
+    total = sum(
+        float(np.sum((weight * (m.stress - m.stress.mean())) ** 2))
+        for m, weight in zip(measurements, weights, strict=True)
+    )
+    return 1 - squares / total if total else math.nan
 
 
-def _aicc(squares: float, count: int, constants: int) -> float:
+def _aicc(mean_square: float, count: int, constants: int) -> float:
     """Return Akaike's criterion of normal residuals, corrected for few points."""
     k = constants + 1  # the variance is one more
-    if squares == 0:
+    if mean_square == 0:
         return -math.inf
-    return count * math.log(squares / count) + 2 * k + 2 * k * (k + 1) / max(count - k - 1, 1)
+    return count * math.log(mean_square) + 2 * k + 2 * k * (k + 1) / max(count - k - 1, 1)
