@@ -4,7 +4,6 @@ They are read in a child process: on some that are damaged meshio never ends, or
 """
 
 import io
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import partial
@@ -15,10 +14,9 @@ import numpy as np
 
 from bilayer.errors import BilayerError, InputError
 from bilayer.mesh.gmsh_files import PhysicalGroups, is_gmsh, read_gmsh
-from bilayer.runtime.child_process import ChildProcessDiedError, run_in_child
-from bilayer.runtime.input_file import open_input, unreadable
-from bilayer.runtime.memory import available_memory
+from bilayer.runtime.input_file import unreadable
 from bilayer.runtime.output_file import HDF5_ROOM, check_writable, whole_file
+from bilayer.runtime.untrusted_file import read_in_child
 
 if TYPE_CHECKING:
     import meshio
@@ -58,12 +56,10 @@ def read_mesh_file(
 
     if Path(path).suffix.lower() in NOT_OF_TRIANGLES:
         raise InputError(f"mesh file {path}: cannot be read, expected a format of triangles")
-    with open_input(path, "mesh file") as descriptor:
-        seconds = shortest_time + os.fstat(descriptor).st_size / BYTES_PER_SECOND
     try:
-        return run_in_child(partial(_read, path), seconds, int(available_memory()))
-    except ChildProcessDiedError as error:
-        raise unreadable(path, "mesh file", f"reading it {error}") from error
+        return read_in_child(
+            path, "mesh file", partial(_read, path), shortest_time, BYTES_PER_SECOND
+        )
     except OSError as error:
         raise unreadable(path, "mesh file", error.strerror or str(error)) from error
 

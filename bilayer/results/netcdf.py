@@ -15,7 +15,6 @@ from typing import Any, TypeVar
 
 import netCDF4
 import numpy as np
-import psutil
 import xarray as xr
 from numpy.typing import NDArray
 from xarray.backends.locks import HDF5_LOCK
@@ -23,6 +22,7 @@ from xarray.backends.locks import HDF5_LOCK
 from bilayer.errors import InputError
 from bilayer.runtime.child_process import ChildProcessDiedError, outcomes_of_child
 from bilayer.runtime.input_file import name_of_open_file, open_input, unreadable
+from bilayer.runtime.memory import available_memory
 
 Found = TypeVar("Found")
 
@@ -66,7 +66,7 @@ def read_netcdf_files(
     See `read_netcdf`. They share one child process, as long as none of them kills it.
     """
     waiting, found = list(paths), []
-    memory = int(psutil.virtual_memory().available)
+    memory = available_memory()
     while waiting:
         seconds = SHORTEST_TIME + max(map(_size, waiting)) / BYTES_PER_SECOND
         rest = tuple(waiting)

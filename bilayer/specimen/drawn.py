@@ -3,7 +3,6 @@
 So a specimen carries its shapes with it: results and studies of it need no other file.
 """
 
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import lru_cache
@@ -17,9 +16,8 @@ from bilayer.drawings.image import SHADES, ImageSource
 from bilayer.drawings.lines import Points
 from bilayer.drawings.source import ORIGINS, DrawingSource
 from bilayer.errors import InputError, fields_of
-from bilayer.runtime.child_process import ChildProcessDiedError, run_in_child
-from bilayer.runtime.input_file import open_input, unreadable
-from bilayer.runtime.memory import available_memory
+from bilayer.runtime.input_file import unreadable
+from bilayer.runtime.untrusted_file import read_in_child
 from bilayer.specimen.outline import rings_of
 from bilayer.specimen.pattern import KEPT_OR_CUT
 from bilayer.specimen.tables import Tables, check_keys, required
@@ -149,12 +147,8 @@ def _read_apart(what: str, path: Path, read: Callable[[], Found]) -> Found:
 
     A small file may stand for lines without an end, by blocks in blocks.
     """
-    with open_input(path, what) as descriptor:
-        seconds = SHORTEST_TIME + os.fstat(descriptor).st_size / BYTES_PER_SECOND
     try:
-        return run_in_child(read, seconds, available_memory())
-    except ChildProcessDiedError as error:
-        raise unreadable(path, what, f"reading it {error}") from error
+        return read_in_child(path, what, read, SHORTEST_TIME, BYTES_PER_SECOND)
     except (MemoryError, RecursionError) as error:
         raise unreadable(path, what, f"reading it ends in {type(error).__name__}") from error
 
