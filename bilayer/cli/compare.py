@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from bilayer.cli.outputs import check_output
-from bilayer.cli.parser import add_verb
+from bilayer.cli.parser import add_json_argument, add_verb
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
-from bilayer.runtime.terminal import say
+from bilayer.results.records import comparison_record
+from bilayer.runtime.terminal import say, say_json
 from bilayer.specimen.units import in_si
 
 
@@ -18,12 +19,13 @@ def add(verbs: Any) -> None:
         verbs, run, "compare",
         "bilayer compare fenics.nc shell.nc -o comparison.png",
     )  # fmt: skip
-    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("result", metavar="FILE.nc", help="a result")
     verb.add_argument(
         "other", metavar="OTHER", help="another result (.nc), or a scan (.stl .ply .obj .csv ...)"
     )
     verb.add_argument("--unit", default="mm", help="of a scan's coordinates (default: mm)")
     verb.add_argument("-o", "--output", metavar="FIGURE", help="also draw the comparison")
+    add_json_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -39,7 +41,9 @@ def run(options: argparse.Namespace) -> int:
     if comparison.attrs["first"] == comparison.attrs["second"]:  # the files tell them apart
         for side, path in zip(("first", "second"), (options.result, options.other), strict=True):
             comparison.attrs[side] += f" ({Path(path).name})"
-    if not options.quiet:
+    if options.json:
+        say_json(comparison_record(comparison))
+    elif not options.quiet:
         say(comparison_table(comparison))
     if options.output is not None:
         save_figure(draw_comparison(comparison), options.output)
@@ -50,12 +54,14 @@ def _compare_scan(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import save_figure  # matplotlib takes half a second
     from bilayer.figures.scan import draw_scan
     from bilayer.scan.cloud import read_cloud
-    from bilayer.scan.comparison import best_match, compare_scan, scan_table
+    from bilayer.scan.comparison import best_match, compare_scan, scan_record, scan_table
 
     unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
     result, cloud = open_result(options.result), read_cloud(options.other, unit)
     matches = compare_scan(result, cloud)
-    if not options.quiet:
+    if options.json:
+        say_json(scan_record(matches))
+    elif not options.quiet:
         say(scan_table(matches))
     if options.output is not None:
         save_figure(draw_scan(cloud, matches[best_match(matches)]), options.output)

@@ -20,7 +20,7 @@ def add(verbs: Any) -> None:
         verbs, run, "convert",
         "bilayer convert result.nc -o shape.vtu",
     )  # fmt: skip
-    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("result", metavar="FILE.nc", help="a result")
     verb.add_argument(
         "-o", "--output", required=True, help="file; its ending selects one of meshio's formats"
     )
@@ -32,7 +32,11 @@ def add(verbs: Any) -> None:
     which.add_argument(
         "--all", action="store_true", help="every milestone reached: shape_1.03.vtu, ..."
     )
-    verb.add_argument("--part", choices=["midsurface", "volume"], default="midsurface")
+    verb.add_argument(
+        "--part", choices=["midsurface", "volume"], default="midsurface",
+        help="which body: the reference surface, or the volume of a finite-element result "
+        "(default: midsurface)",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:

@@ -4,13 +4,13 @@ import argparse
 from typing import Any
 
 from bilayer.cli.outputs import check_output
-from bilayer.cli.parser import add_verb
+from bilayer.cli.parser import add_json_argument, add_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.fitting.fit import Fit, fit
 from bilayer.fitting.laws import FITTED
 from bilayer.fitting.measurement import Measurement, read_measurement
-from bilayer.fitting.report import comparison_table, fit_report
-from bilayer.runtime.terminal import say
+from bilayer.fitting.report import comparison_table, fit_record, fit_report
+from bilayer.runtime.terminal import say, say_json
 from bilayer.specimen.layer import layer_name
 from bilayer.specimen.materials.stability import LOADINGS
 from bilayer.validation import positive
@@ -43,6 +43,7 @@ def add(verbs: Any) -> None:
     verb.add_argument("--stress-column", metavar="NAME", help="where its name does not say it")
     verb.add_argument("--name", default="fitted", help="of the material in the printed table")
     verb.add_argument("-o", "--output", metavar="FILE.png", help="draw the fit")
+    add_json_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -55,19 +56,34 @@ def run(options: argparse.Namespace) -> int:
     measurements = _measurements(options)
     if options.law == ALL:
         fits = _fits(measurements, options)
-        say(comparison_table(fits), end="\n\n")
         best = min(fits, key=lambda found: found.aicc)
     else:
         best = _fit(measurements, options.law, options, not options.no_bounds)
         fits = [best]
-    free = None if options.no_bounds else _fit(measurements, best.law_name, options, False)
-    say(fit_report(best, free, name))
+    _show(fits, best, measurements, options, name)
     if options.output is not None:
         from bilayer.figures import save_figure  # matplotlib takes half a second
         from bilayer.figures.fit import draw_fits
 
         save_figure(draw_fits(fits), options.output)
     return 0
+
+
+def _show(
+    fits: list[Fit],
+    best: Fit,
+    measurements: list[Measurement],
+    options: argparse.Namespace,
+    name: str,
+) -> None:
+    """Print the best fit, after the table of all if there are several."""
+    if options.json:
+        say_json([fit_record(found) for found in sorted(fits, key=lambda found: found.aicc)])
+        return
+    if options.law == ALL:
+        say(comparison_table(fits), end="\n\n")
+    free = None if options.no_bounds else _fit(measurements, best.law_name, options, False)
+    say(fit_report(best, free, name))
 
 
 def _measurements(options: argparse.Namespace) -> list[Measurement]:

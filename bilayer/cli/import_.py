@@ -29,7 +29,7 @@ def add(verbs: Any) -> None:
     )  # fmt: skip
     add_specimen_arguments(verb)
     add_case_arguments(verb)
-    verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
+    verb.add_argument("-o", "--output", required=True, metavar="FILE.nc", help="the result")
 
 
 def run(options: argparse.Namespace) -> int:

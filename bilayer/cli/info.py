@@ -6,11 +6,12 @@ from typing import Any
 
 import xarray as xr
 
-from bilayer.cli.parser import add_verb
+from bilayer.cli.parser import add_json_argument, add_verb
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
+from bilayer.results.records import result_record
 from bilayer.results.report import provenance
-from bilayer.runtime.terminal import one_line, say
+from bilayer.runtime.terminal import one_line, say, say_json
 from bilayer.solvers.registry import SOLVERS
 from bilayer.solvers.rerun import result_settings, solve_command
 from bilayer.specimen.settings import check_plain
@@ -22,8 +23,9 @@ def add(verbs: Any) -> None:
         verbs, run, "info",
         "bilayer info fenics.nc",
     )  # fmt: skip
-    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("result", metavar="FILE.nc", help="a result")
     verb.add_argument("--specimen", action="store_true", help="print only the specimen's TOML file")
+    add_json_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -31,6 +33,9 @@ def run(options: argparse.Namespace) -> int:
     result = open_result(options.result)
     if options.specimen:
         say(result.attrs["specimen"], end="")
+        return 0
+    if options.json:
+        say_json(result_record(result))
         return 0
     lines = [provenance(result)]
     if result.attrs["solver"] in SOLVERS:

@@ -9,7 +9,9 @@ import sys
 import traceback
 from collections.abc import Sequence
 
+from bilayer.cli.completion import complete_words, words_to_complete
 from bilayer.cli.interrupted import tell_interruption
+from bilayer.cli.outputs import tell_replaced
 from bilayer.cli.parser import Parser, main_parser
 from bilayer.cli.spare_pint import spare_pint
 from bilayer.cli.verbs import VERBS, load_verb
@@ -32,9 +34,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = argparse.Namespace(verbose=False)
     try:
         with termination_as_ctrl_c():
+            if (begun := words_to_complete()) is not None:
+                return complete_words(_parser(begun))
             options = _parser(words).parse_args(words)
             status: int = options.run(options)
             flush_stdout()
+            tell_replaced(options)
         return status
     except BilayerError as error:
         return _fail(error, options, 2 if isinstance(error, InputError) else 1)
@@ -68,8 +73,8 @@ def _parser(words: Sequence[str]) -> Parser:
     parser = main_parser(
         prog="bilayer",
         description="The 3D shape that a flat kirigami bilayer takes on release.",
-        epilog="example:\n  bilayer init > specimen.toml\n"
-        "  bilayer solve specimen.toml --solver dshell -o shell.nc",
+        epilog="examples:\n  bilayer demo\n  bilayer init > specimen.toml\n"
+        "  bilayer solve specimen.toml --plot",
     )
     parser.add_argument("--version", action="version", version=f"bilayer {__version__}")
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)

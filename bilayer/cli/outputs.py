@@ -13,6 +13,7 @@ from typing import Any
 
 from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
+from bilayer.runtime.terminal import tell
 
 SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 Check = Callable[[str | Path, Iterable[str | Path]], Any]
@@ -33,19 +34,50 @@ def check_output(
     names : iterable of path-like, optional
         The files that are written, if they are others than `output`.
     """
-    if options.output is None:
+    if options.output is None and names is None:
         return
-    if options.output.endswith(SEPARATORS):
+    if options.output is not None and options.output.endswith(SEPARATORS):
         raise InputError(f"--output {options.output}: ends as a folder, expected a file name")
     inputs = list(input_files(options))
     for name in [options.output] if names is None else names:
         check(name, inputs)
+        if Path(name).is_file():
+            options.replaced = [*getattr(options, "replaced", []), str(name)]
+
+
+def output_beside(options: argparse.Namespace, source: str, ending: str) -> Path:
+    """Return the output of a verb: as given, else beside a file that it reads, by its stem.
+
+    Raises
+    ------
+    InputError
+        There is a file of the name that was not given, and the user has not said what of it:
+        neither `--overwrite` nor `--resume`.
+    """
+    if options.output is not None:
+        return Path(options.output)
+    output = Path(source).with_suffix(ending)
+    may = options.overwrite or getattr(options, "resume", False)
+    if output.exists() and not may:
+        raise InputError(
+            f"output file {output}: is there already, expected --overwrite to replace it"
+            f"{', --resume to go on with it' if 'resume' in options else ''} or another as -o FILE"
+        )
+    return output
+
+
+def tell_replaced(options: argparse.Namespace) -> None:
+    """Say which files a verb has replaced: those that its gate has seen and that are new now."""
+    if options.quiet or getattr(options, "resume", False):
+        return
+    for name in dict.fromkeys(getattr(options, "replaced", [])):
+        tell(f"bilayer: {name}: replaced the file that was there")
 
 
 def input_files(options: argparse.Namespace) -> Iterator[Path]:
     """Yield the files that a verb reads."""
     for field, value in vars(options).items():
-        if field != "output":
+        if field not in ("output", "replaced"):
             for word in _texts(value):
                 yield from _file_and_those_it_names(word, Path())
 

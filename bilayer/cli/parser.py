@@ -74,6 +74,14 @@ def add_trust_argument(verb: Parser) -> None:
     )  # fmt: skip
 
 
+def add_json_argument(verb: Parser) -> None:
+    """Add the option by which a program asks for what a table shows."""
+    verb.add_argument(
+        "--json", action="store_true",
+        help="print JSON instead of a table: numbers in SI units, null where there is none",
+    )  # fmt: skip
+
+
 def main_parser(**options: Any) -> Parser:
     """Return the parser of the command, with the options that may stand before a verb, too."""
     parser = Parser(**options)

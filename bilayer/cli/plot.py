@@ -14,8 +14,10 @@ def add(verbs: Any) -> None:
         verbs, run, "plot",
         "bilayer plot fenics.nc -o shape.png",
     )  # fmt: skip
-    verb.add_argument("result", metavar="FILE.nc")
-    verb.add_argument("-o", "--output", required=True, metavar="FIGURE")
+    verb.add_argument("result", metavar="FILE.nc", help="a result")
+    verb.add_argument(
+        "-o", "--output", required=True, metavar="FIGURE", help="the picture: .png, .pdf, .svg, ..."
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -32,7 +32,9 @@ def add(verbs: Any) -> None:
         "--select", action="append", default=[], metavar="FIELD=VALUE",
         help="draw only the cases with this value",
     )  # fmt: skip
-    verb.add_argument("-o", "--output", required=True, metavar="FIGURE")
+    verb.add_argument(
+        "-o", "--output", required=True, metavar="FIGURE", help="the picture: .png, .pdf, .svg, ..."
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -4,11 +4,11 @@ import argparse
 from typing import Any
 
 from bilayer.cli.outputs import check_output
-from bilayer.cli.parser import add_trust_argument, add_verb
+from bilayer.cli.parser import add_json_argument, add_trust_argument, add_verb
 from bilayer.results.files import check_result_output, open_result
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
-from bilayer.runtime.terminal import say, tell
+from bilayer.runtime.terminal import say, say_json, tell
 from bilayer.solvers.registry import solver_named
 from bilayer.solvers.rerun import (
     AGREEMENT,
@@ -26,9 +26,10 @@ def add(verbs: Any) -> None:
         verbs, run, "rerun",
         "bilayer rerun result.nc",
     )  # fmt: skip
-    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("result", metavar="FILE.nc", help="a result")
     verb.add_argument("-o", "--output", metavar="FILE.nc", help="keep the new result")
     add_trust_argument(verb)
+    add_json_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -48,7 +49,9 @@ def run(options: argparse.Namespace) -> int:
     with progress_bar(title, shown=first and not options.quiet) as progress:
         again = rerun(result, progress, options.output, trust=options.trust)
     table, good = differences(result, again), agree(result, again)
-    if first:
+    if first and options.json:
+        say_json({"agree": good, "differences": table.to_dict("records")})
+    elif first:
         if not options.quiet:
             say(table.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
         same = "to the last bit" if table["same_bits"].all() else f"to {AGREEMENT:g} of the radius"

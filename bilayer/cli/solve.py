@@ -1,11 +1,15 @@
-"""The verb `solve`: the released shapes of a specimen, by one of the solvers."""
+"""The verb `solve`: the released shapes of a specimen, by one of the solvers or by both."""
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bilayer.cli.outputs import check_output
-from bilayer.cli.parser import add_verb
+import xarray as xr
+
+from bilayer.cli.outputs import check_output, output_beside
+from bilayer.cli.parser import add_json_argument, add_verb
 from bilayer.cli.specimen_arguments import (
     add_case_arguments,
     add_specimen_arguments,
@@ -13,33 +17,74 @@ from bilayer.cli.specimen_arguments import (
     read_specimen_argument,
 )
 from bilayer.errors import InputError
+from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.files import check_result_output, open_result
+from bilayer.results.records import comparison_record, result_record
 from bilayer.results.report import law_warnings, result_table
 from bilayer.results.schema import NOT_MEASURED
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
-from bilayer.runtime.terminal import say, tell
+from bilayer.runtime.terminal import say, say_json, tell
 from bilayer.solvers.registry import SOLVERS, STARTS, settings_class, solve, solver_named
-from bilayer.specimen.settings import describe, settings_from, split_solver_settings
+from bilayer.specimen.settings import settings_from, split_solver_settings
+from bilayer.specimen.specimen import Specimen
+
+BOTH = "both"
+IN_TURN = ("dshell", "fenics")
+"""The solvers of "both", the quick one first."""
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One solver on the specimen of the command line, and the files that it writes."""
+
+    solver: str
+    settings: Any
+    output: Path
+
+    @property
+    def picture(self) -> Path:
+        return self.output.with_suffix(".png")
 
 
 def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
         verbs, run, "solve",
-        "bilayer solve specimen.toml --solver fenics -o fenics.nc --prestretch 1.03 1.06\n"
+        "bilayer solve specimen.toml\n"
+        "  bilayer solve specimen.toml --solver fenics -o fenics.nc --prestretch 1.03 1.06\n"
+        "  bilayer solve specimen.toml --solver both --plot\n"
         "  mpirun -n 2 bilayer solve specimen.toml --solver fenics -o fenics.nc",
     )  # fmt: skip
     add_specimen_arguments(verb)
-    verb.add_argument("--solver", required=True, choices=list(SOLVERS))
-    verb.add_argument("--model", help="one of the solver's models, listed below")
-    verb.add_argument("-o", "--output", required=True, metavar="FILE.nc")
+    verb.add_argument(
+        "--solver", choices=[*SOLVERS, BOTH], default="dshell",
+        help="'dshell': the discrete shell, seconds (the default); 'fenics': the finite-element "
+        "model, minutes; 'both': one after the other, and the comparison",
+    )  # fmt: skip
+    verb.add_argument(
+        "--model", help="one of the solver's models; `bilayer settings` lists them"
+    ).completer = lambda **_: [  # type: ignore[attr-defined]
+        model for name in SOLVERS for model in solver_named(name).models
+    ]
+    verb.add_argument(
+        "-o", "--output", metavar="FILE.nc",
+        help="the result (default: SPECIMEN.nc beside the specimen's file); with --solver both "
+        "FILE_dshell.nc and FILE_fenics.nc",
+    )  # fmt: skip
+    verb.add_argument(
+        "--overwrite", action="store_true",
+        help="if -o is left out: replace the result that is there",
+    )  # fmt: skip
     verb.add_argument(
         "--resume", action="store_true",
         help="go on from FILE.nc if it is there: it has every milestone that an interrupted or "
         "killed run had reached",
     )  # fmt: skip
+    verb.add_argument(
+        "--plot", action="store_true", help="also draw the shapes: FILE.png beside FILE.nc"
+    )
     add_case_arguments(verb)
     verb.add_argument(
         "--start", metavar="START",
@@ -48,50 +93,111 @@ def add(verbs: Any) -> None:
         "from a coarse one, see solver.coarse_triangles); FILE.nc = shapes of another result on "
         "the same mesh",
     )  # fmt: skip
-    verb.late_epilog = _describe_settings
+    add_json_argument(verb)
+    verb.epilog = (
+        f"{verb.epilog}\n\n`bilayer settings` lists what --set solver.NAME=VALUE can change."
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
     join_mpi()
     first = is_first_rank()
-    if not (first or solver_named(options.solver).parallel):
+    solvers = IN_TURN if options.solver == BOTH else (options.solver,)
+    if not (first or any(solver_named(name).parallel for name in solvers)):
         return 0  # the first rank computes alone
-    output = Path(options.output)
-    check_output(options, check_result_output)
     values, overrides = split_solver_settings(options.overrides)
     if "model" in values:
         raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")
+    runs = _planned(options, solvers, values)
     specimen = read_specimen_argument(options, overrides)
-    settings: Any = settings_from(settings_class(options.solver, options.model), values)
     mesh = None if options.mesh is None else read_mesh_argument(options, specimen)
     start = options.start if options.start in (None, *STARTS) else open_result(options.start)
+    results, status = [], 0
+    for one in runs:
+        if first or solver_named(one.solver).parallel:
+            results.append(_solved(one, options, specimen, mesh, start))
+            status = max(status, _status_of(results[-1], one.settings, told=first))
+    if first:
+        _show(results, options)
+        if options.plot:
+            _draw(runs, results)
+    return status
+
+
+def _planned(
+    options: argparse.Namespace, solvers: Sequence[str], values: dict[str, str]
+) -> list[_Run]:
+    """Return what is to be run; raise InputError unless every output of it can be written."""
+    if options.solver == BOTH and (values or options.model or options.start):
+        raise InputError(
+            "--solver both: expected neither --model, --start nor --set solver.NAME, which are of "
+            "one solver"
+        )
+    output = output_beside(options, options.specimen, ".nc")
+    names = [output]
+    if options.solver == BOTH:
+        names = [output.with_stem(f"{output.stem}_{solver}") for solver in solvers]
+    check_output(options, check_result_output, names)
+    runs = [
+        _Run(solver, settings_from(settings_class(solver, options.model), values), name)
+        for solver, name in zip(solvers, names, strict=True)
+    ]
+    if options.plot:
+        from bilayer.figures.saving import check_figure_output  # matplotlib takes half a second
+
+        check_output(options, check_figure_output, [one.picture for one in runs])
+    return runs
+
+
+def _solved(
+    one: _Run, options: argparse.Namespace, specimen: Specimen, mesh: PlanarMesh | None, start: Any
+) -> xr.Dataset:
+    first = is_first_rank()
     if options.verbose and first:
-        tell(settings)
+        tell(one.settings)
     if options.resume and first:
-        remove_leftovers(output)
-    with progress_bar(options.solver, shown=first and not options.quiet) as progress:
-        result = solve(
+        remove_leftovers(one.output)
+    with progress_bar(one.solver, shown=first and not options.quiet) as progress:
+        return solve(
             specimen,
-            options.solver,
-            settings,
+            one.solver,
+            one.settings,
             mesh=mesh,
             start=start,
             progress=progress,
-            output=output,
-            resume=output if options.resume and output.exists() else None,
+            output=one.output,
+            resume=one.output if options.resume and one.output.exists() else None,
         )
-    if first and not options.quiet:
-        say("\n".join([result_table(result), *law_warnings(result)]))
-    return _status_of(result, settings, told=first)
 
 
-def _describe_settings() -> str:
-    lines = ["settings of the solvers, changed by --set solver.NAME=VALUE:"]
-    for name in SOLVERS:
-        for model, kind in solver_named(name).models.items():
-            lines += [f"\n--solver {name} --model {model}", describe(kind)]
-    return "\n".join(lines)
+def _show(results: Sequence[xr.Dataset], options: argparse.Namespace) -> None:
+    """Print the table of each result, and of the comparison if there are two."""
+    if options.json:
+        say_json(_record(results))
+    elif not options.quiet:
+        from bilayer.results.comparison import compare, comparison_table
+
+        for result in results:
+            say("\n".join([result_table(result), *law_warnings(result)]))
+        if len(results) == 2:
+            say(f"\n{comparison_table(compare(*results))}")
+
+
+def _record(results: Sequence[xr.Dataset]) -> dict[str, Any]:
+    from bilayer.results.comparison import compare
+
+    records = [result_record(result) for result in results]
+    if len(results) == 1:
+        return records[0]
+    return {"results": records, "comparison": comparison_record(compare(*results))}
+
+
+def _draw(runs: Sequence[_Run], results: Sequence[xr.Dataset]) -> None:
+    from bilayer.figures import draw_shapes, save_figure  # matplotlib takes half a second
+
+    for one, result in zip(runs, results, strict=True):
+        save_figure(draw_shapes(result), one.picture)
 
 
 def _status_of(result: Any, settings: Any, told: bool) -> int:

@@ -13,13 +13,21 @@ from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
 from bilayer.runtime.system import available_cores
 from bilayer.runtime.terminal import one_line, say, tell
+from bilayer.study.case_table import case_table
 from bilayer.study.estimate import estimate, estimate_text
 from bilayer.study.folder import StudyFolder
 from bilayer.study.index import read_index
 from bilayer.study.memory import first_at_once, separate_by_memory
 from bilayer.study.plan import StudyPlan, read_study
 from bilayer.study.records import CASE_DONE, CASE_LACKS_MEMORY
-from bilayer.study.run import cases_to_compute, run_one_case, run_study, run_study_on_ranks
+from bilayer.study.run import (
+    LONGEST,
+    ORDERS,
+    cases_to_compute,
+    run_one_case,
+    run_study,
+    run_study_on_ranks,
+)
 from bilayer.validation import whole
 
 
@@ -44,6 +52,11 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--retry-failed", action="store_true", help="compute again what failed or stopped early"
     )
+    verb.add_argument(
+        "--first", choices=list(ORDERS), default=LONGEST,
+        help="which cases begin: 'longest', so that all cores end together (the default); "
+        "'cheapest', to have something to look at soon",
+    )  # fmt: skip
     add_trust_argument(verb)
     what = verb.add_mutually_exclusive_group()
     what.add_argument(
@@ -74,12 +87,13 @@ def run(options: argparse.Namespace) -> int:
         if world is None:
             index = run_study(
                 plan, options.output, jobs=jobs, retry_failed=options.retry_failed,
-                progress=progress, notice=_notice,
+                first=options.first, progress=progress, notice=_notice,
             )  # fmt: skip
         else:
             index = run_study_on_ranks(
                 plan, options.output, world, ranks_per_case=ranks_per_case,
-                retry_failed=options.retry_failed, progress=progress, notice=_notice,
+                retry_failed=options.retry_failed, first=options.first, progress=progress,
+                notice=_notice,
             )  # fmt: skip
     return _report(index, options) if is_first_rank() else _status(index)
 
@@ -131,6 +145,7 @@ def _report(index: pd.DataFrame, options: argparse.Namespace) -> int:
     for _, case in bad.iterrows():
         tell(f"bilayer: case {case['case']} ({_values(case)}) {case['status']}: {case['reason']}")
     if not options.quiet:
+        say(case_table(index))
         counts = cases["status"].value_counts()
         say(", ".join(f"{count} {status}" for status, count in counts.items()))
         say(one_line(StudyFolder(options.output).index_file))

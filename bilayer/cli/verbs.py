@@ -9,12 +9,14 @@ from importlib import import_module
 from types import ModuleType
 
 VERBS = {
+    "demo": "compute the paper's specimen; write a picture and a page of its shapes",
     "init": "print the paper's specimen as a commented template",
     "mesh": "mesh the flat disc; write the mesh, and its picture beside it",
     "cut": "write what has to be cut for each layer, 1:1 in mm, as DXF, SVG or PDF",
     "fit": "find the constants of a law from tests of a material",
     "solve": "compute the released shapes; write them as NetCDF",
     "compare": "compare two results on the same planar mesh",
+    "settings": "list the models of the solvers, or the settings of one",
     "plot": "draw isometric and bird's-eye views per prestretch",
     "view": "write a page that shows a result in three dimensions, and open it",
     "convert": "write the shapes for ParaView and others",

@@ -19,7 +19,7 @@ def add(verbs: Any) -> None:
         verbs, run, "view",
         "bilayer view fenics.nc -o shape.html",
     )  # fmt: skip
-    verb.add_argument("result", metavar="FILE.nc")
+    verb.add_argument("result", metavar="FILE.nc", help="a result")
     verb.add_argument("other", nargs="?", metavar="OTHER.nc", help="shown over the first")
     verb.add_argument(
         "-o", "--output", metavar="FILE.html", help="the page (default: FILE.html beside FILE.nc)"

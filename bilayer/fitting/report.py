@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import tomli_w
 
@@ -46,6 +47,30 @@ def comparison_table(fits: Sequence[Fit]) -> str:
             f"{fit.aicc - best:8.1f}  {f'{limit:.3f}' if math.isfinite(limit) else '-'}"
         )
     return "\n".join(lines)
+
+
+def fit_record(fit: Fit) -> dict[str, Any]:
+    """Return a fit as a record of numbers in SI units."""
+    limits = stability_limits(fit.law)
+    return {
+        "law": fit.law_name,
+        "constants": [
+            {
+                "name": constant.name,
+                "unit": constant.unit,
+                "value": float(constant.value),
+                "interval": [float(end) for end in constant.interval],
+            }
+            for constant in fit.constants
+        ],
+        "shear_modulus": float(fit.law.shear_modulus),
+        "rms": float(fit.rms),
+        "r_squared": float(fit.r_squared),
+        "aicc": float(fit.aicc),
+        "unstable_from": {loading: float(end) for loading, end in limits.drucker.items()},
+        "bifurcates_from": float(limits.equal_loads),
+        "table": law_to_table(fit.law),
+    }
 
 
 def quality_line(fit: Fit) -> str:

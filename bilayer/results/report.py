@@ -25,6 +25,12 @@ from bilayer.specimen.materials import stability_warning
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml_text import parse_toml
 
+FLAT_FROM = 1e4
+"""Radius of the best sphere over that of the sheet from which on a shape is called flat.
+
+Such a sheet rises by less than a twenty-thousandth of its radius.
+"""
+
 
 def result_table(result: xr.Dataset) -> str:
     """Return one line per milestone, under two of titles and units: shape, stability, effort."""
@@ -34,13 +40,13 @@ def result_table(result: xr.Dataset) -> str:
         ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
         ("", "reached"): ["yes" if done else "no" for done in result["converged"].values],
         ("", "quality"): cells(result["quality"].values, "{:.3f}"),
-        ("radius", "mm"): cells(1e3 * result["sphere_radius"].values, "{:#.5g}"),
+        ("radius", "mm"): _radii(result),
         ("rmse", "mm"): cells(1e3 * result["sphere_rmse"].values, "{:.2f}"),
         ("height", "mm"): cells(1e3 * result["height"].values, "{:.2f}"),
         ("span x", "mm"): cells(1e3 * span[:, 0], "{:.2f}"),
         ("span y", "mm"): cells(1e3 * span[:, 1], "{:.2f}"),
         ("hemi-", "sphere"): cells(result["hemisphere_distance"].values, "{:.3f}"),
-        ("", "contact"): contact_words(result),
+        ("gap to", "itself"): gap_words(result),
         ("unstable", "modes"): [str(n) if n >= 0 else "?" for n in result["unstable_modes"].values],
         ("load", "steps"): [str(count) for count in result["load_steps"].values],
         ("Newton", "steps"): [str(count) for count in result["iterations"].values],
@@ -84,11 +90,19 @@ def _energies(result: xr.Dataset) -> str:
     return ", ".join(f"{energy:.5g}" for energy in total) + " mJ"
 
 
-def contact_words(result: xr.Dataset) -> list[str]:
-    """Return for each milestone whether the body touches itself: "yes", "no", or the gap in mm.
+def _radii(result: xr.Dataset) -> list[str]:
+    """Return the radius of the best sphere at each milestone, in mm; a flat sheet has none."""
+    radius = result["sphere_radius"].values
+    flattest = FLAT_FROM * result_specimen(result).characteristic_length
+    shown = cells(1e3 * radius, "{:#.5g}")
+    return ["flat" if r > flattest else cell for r, cell in zip(radius, shown, strict=True)]
 
-    The gap if it is small enough to be measured; "-" if there is no shape, "?" if the
-    file is older than the measure.
+
+def gap_words(result: xr.Dataset) -> list[str]:
+    """Return for each milestone the gap of the body to itself: "1.34 mm", "touches" or "wide".
+
+    "wide" if the gap is too wide to be measured; "-" if there is no shape, "?" if the file is older
+    than the measure.
     """
     if "self_contact_gap" not in result:
         return ["?"] * result.sizes["prestretch"]
@@ -96,32 +110,37 @@ def contact_words(result: xr.Dataset) -> list[str]:
     if CONTACT_CROSSES in result:  # the barrier's own gap, if it acts
         gaps = np.where(np.isfinite(result["contact_gap"].values), result["contact_gap"], gaps)
         gaps = np.where(result[CONTACT_CROSSES].values == 1, 0.0, gaps)
-    return [_contact_word(gap) for gap in gaps]
+    return [_gap_word(gap) for gap in gaps]
 
 
-def _contact_word(gap: float) -> str:
+def _gap_word(gap: float) -> str:
     if np.isnan(gap):
         return "-"
     if gap == 0:
-        return "yes"
-    return "no" if np.isinf(gap) else f"{1e3 * gap:.2f} mm"
+        return "touches"
+    return "wide" if np.isinf(gap) else f"{1e3 * gap:.2f} mm"
 
 
 def describe_trust(result: xr.Dataset) -> str:
     """Return a few sentences on the trust that the result deserves."""
+    return " ".join(trust_sentences(result))
+
+
+def trust_sentences(result: xr.Dataset) -> list[str]:
+    """Return the sentences of `describe_trust`."""
     if not result["converged"].values.any():
-        return "No milestone was reached: there is no equilibrium in this file."
+        return ["No milestone was reached: there is no equilibrium in this file."]
     lost = stretches(result)[result["converged"].values == 0]
-    missing = f" NOT REACHED: {', '.join(map(stretch_text, lost))}." if len(lost) else ""
-    sentences = [
+    missing = [f"NOT REACHED: {', '.join(map(stretch_text, lost))}."] if len(lost) else []
+    return [
         _describe_equilibrium(result),
         _describe_contact(result),
         *(f"Doubtful: {doubt}." for doubt in doubts(result_specimen(result))),
         *thickness_warnings(result),
         *mesh_warnings(result),
         *law_warnings(result),
+        *missing,
     ]
-    return " ".join(sentences) + missing
 
 
 def _describe_equilibrium(result: xr.Dataset) -> str:

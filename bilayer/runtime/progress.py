@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from bilayer.runtime.terminal import tell
+from bilayer.runtime.terminal import one_line, tell
 
 Progress = Callable[[float, str], None]
 """Called with the fraction done, from 0 to 1, and a few words on the state of the run."""
@@ -14,6 +14,9 @@ Progress = Callable[[float, str], None]
 SECONDS_TO_FIRST_LINE = 10.0
 SECONDS_BETWEEN_LINES = 10.0
 """In a log; a run that takes less says nothing there."""
+SECONDS_BETWEEN_BARS = 0.5
+SECONDS_UNTOLD = 3.0
+"""Time of a step from which on a bar says how long it has been at it."""
 
 
 def never_back(progress: Progress) -> Progress:
@@ -39,9 +42,37 @@ def never_back(progress: Progress) -> Progress:
     return tell_on
 
 
+class _Latest:
+    """The latest report of a run, and for how long it has been that; thread-safe by assignment."""
+
+    def __init__(self) -> None:
+        self._report = (0.0, "begun", time.monotonic())
+
+    def __call__(self, fraction: float, message: str) -> None:
+        since = self._report[2] if message == self._report[1] else time.monotonic()
+        self._report = (fraction, message, since)
+
+    @property
+    def fraction(self) -> float:
+        return self._report[0]
+
+    @property
+    def message(self) -> str:
+        return self._report[1]
+
+    @property
+    def words(self) -> str:
+        """What is being done; for how long, if it takes its time."""
+        _, message, since = self._report
+        held = time.monotonic() - since
+        return message if held < SECONDS_UNTOLD else f"{message}, {held:.0f} s"
+
+
 @contextmanager
 def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
     """Give a progress callback that draws a bar on a terminal, and writes lines elsewhere.
+
+    A bar moves every second and says what is being done, also while a step takes long.
 
     Parameters
     ----------
@@ -50,51 +81,65 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
     shown : bool
         False shows nothing.
     """
-    if shown and not sys.stderr.isatty():
-        with _lines(title) as in_lines:
-            yield in_lines
-        return
-    from tqdm import tqdm
-
-    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining} {postfix}"
-    with tqdm(
-        total=100,
-        unit="%",
-        desc=title,
-        bar_format=layout,
-        disable=not shown,
-        file=sys.stderr,
-        dynamic_ncols=True,
-    ) as bar:
-
-        def progress(fraction: float, message: str) -> None:
-            bar.set_postfix_str(message, refresh=False)
-            bar.update(max(int(100 * fraction) - bar.n, 0))
-
-        yield progress
+    latest = _Latest()
+    if not shown:
+        yield latest
+    elif sys.stderr.isatty():
+        with _bar(title, latest):
+            yield latest
+    else:
+        with _lines(title, latest):
+            yield latest
 
 
 @contextmanager
-def _lines(title: str) -> Iterator[Progress]:
+def _bar(title: str, latest: _Latest) -> Iterator[None]:
+    """Draw a bar from a thread of its own."""
+    from tqdm import tqdm
+
+    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}{postfix}"
+    with tqdm(
+        total=100, desc=title, bar_format=layout, file=sys.stderr, dynamic_ncols=True
+    ) as bar:  # fmt: skip
+
+        def draw() -> None:
+            bar.n = max(bar.n, int(100 * latest.fraction))
+            bar.set_postfix_str(one_line(latest.words), refresh=False)
+            bar.refresh()
+
+        with _again_and_again(draw, SECONDS_BETWEEN_BARS, SECONDS_BETWEEN_BARS):
+            yield
+        draw()
+
+
+@contextmanager
+def _lines(title: str, latest: _Latest) -> Iterator[None]:
     """Write lines from a thread of their own: one step of a run may take long."""
     begin = time.monotonic()
-    latest = [0.0, "begun"]
+
+    def write() -> None:
+        seconds = time.monotonic() - begin
+        tell(f"{title}: {latest.fraction:.0%}, {latest.message}, {seconds:.0f} s")
+
+    with _again_and_again(write, SECONDS_TO_FIRST_LINE, SECONDS_BETWEEN_LINES):
+        yield
+
+
+@contextmanager
+def _again_and_again(action: Callable[[], None], first: float, then: float) -> Iterator[None]:
+    """Do something in a thread after some seconds, and then from time to time."""
     ended = threading.Event()
 
-    def progress(fraction: float, message: str) -> None:
-        latest[:] = fraction, message
-
-    def write_lines() -> None:
-        seconds = SECONDS_TO_FIRST_LINE
+    def repeat() -> None:
+        seconds = first
         while not ended.wait(seconds):
-            fraction, message = latest
-            tell(f"{title}: {fraction:.0%}, {message}, {time.monotonic() - begin:.0f} s")
-            seconds = SECONDS_BETWEEN_LINES
+            action()
+            seconds = then
 
-    writer = threading.Thread(target=write_lines, daemon=True)
-    writer.start()
+    thread = threading.Thread(target=repeat, daemon=True)
+    thread.start()
     try:
-        yield progress
+        yield
     finally:
         ended.set()
-        writer.join()
+        thread.join()

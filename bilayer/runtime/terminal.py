@@ -5,7 +5,10 @@ a name is written out, as in "\u001b[2J", and moves no cursor and makes no line.
 """
 
 import io
+import json
+import math
 import os
+import re
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -13,6 +16,11 @@ from typing import Any, TextIO
 
 LONGEST_LINE = 2000
 """Letters of a line on stderr."""
+_RED, _YELLOW = "1;31", "1;33"
+_ERROR = re.compile(r"(?<=^bilayer: )error(?=:)")
+_WARNING = re.compile(r"(?<=^bilayer: )warning(?=:)")
+_ALARM = re.compile(r"\b[A-Z]{2,}(?: [A-Z]+)+\b")
+"""Words in capitals, as in "NOT STABLE"."""
 _KEPT = frozenset("\n\t")
 _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r"}
 """Written out as in TOML, so that a specimen that is shown reads back the same."""
@@ -48,7 +56,7 @@ def _shown(letter: str, kept: frozenset[str] = frozenset()) -> str:
 
 
 def say(text: object, end: str = "\n") -> None:
-    """Write a text to stdout: what a verb was asked for.
+    """Write a text to stdout: what a verb was asked for. A terminal gets alarms in colour.
 
     Raises
     ------
@@ -56,13 +64,53 @@ def say(text: object, end: str = "\n") -> None:
         It cannot be written: the disk is full, or the reader has gone (BrokenPipeError).
     """
     if sys.stdout is not None:  # it is None where it was closed
-        print(printable(text), end=end)
+        shown = printable(text)
+        print(_coloured(shown, _ALARM, _YELLOW) if _has_colours(sys.stdout) else shown, end=end)
+
+
+def say_json(value: Any) -> None:
+    """Write a value to stdout as JSON, which a program reads; not finite numbers become null.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
+    """
+    say(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _finite(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def tell(text: object) -> None:
-    """Write a line to stderr; what cannot be written there is lost and stops nothing."""
+    """Write a line to stderr; what cannot be written there is lost and stops nothing.
+
+    On a terminal the word "error" or "warning" at its beginning is in colour.
+    """
     with suppress(OSError, ValueError):
-        print(_of_a_length(one_line(text)), file=sys.stderr or io.StringIO(), flush=True)
+        line = _of_a_length(one_line(text))
+        if _has_colours(sys.stderr):
+            line = _coloured(_coloured(line, _ERROR, _RED), _WARNING, _YELLOW)
+        print(line, file=sys.stderr or io.StringIO(), flush=True)
+
+
+def _has_colours(stream: Any) -> bool:
+    """Whether a stream is a terminal with colours whose user wants them (https://no-color.org)."""
+    if stream is None or os.environ.get("NO_COLOR") or os.environ.get("TERM", "dumb") == "dumb":
+        return False
+    with suppress(ValueError, AttributeError):
+        return bool(stream.isatty())
+    return False
+
+
+def _coloured(text: str, pattern: re.Pattern[str], colour: str) -> str:
+    """Return a text that is printable, in which what a pattern finds has a colour."""
+    return pattern.sub(lambda found: f"\x1b[{colour}m{found[0]}\x1b[0m", text)
 
 
 def _of_a_length(line: str) -> str:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -133,6 +134,27 @@ def scan_table(matches: list[ScanMatch]) -> str:
             f"{100 * match.outliers.mean():7.1f} % {100 * match.coverage:6.1f} %"
         )
     return "\n".join(lines)
+
+
+def scan_record(matches: list[ScanMatch]) -> dict[str, Any]:
+    """Return what `scan_table` shows, in SI units; `best` is the milestone that fits best."""
+    return {
+        "best": matches[best_match(matches)].title,
+        "units": dict.fromkeys(("rms", "mean", "quantile_95", "largest", "diagonal"), "m"),
+        "milestones": [
+            {
+                "title": match.title,
+                "rms": match.rms,
+                "mean": float(match.inner.mean()),
+                "quantile_95": float(np.quantile(match.inner, 0.95)),
+                "largest": float(match.inner.max()),
+                "diagonal": float(match.diagonal),
+                "outliers": float(match.outliers.mean()),
+                "covered": match.coverage,
+            }
+            for match in matches
+        ],
+    }
 
 
 def _laid(title: str, surface: Samples, scan: Array, motion: Motion) -> ScanMatch:

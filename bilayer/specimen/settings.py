@@ -5,6 +5,7 @@
 """
 
 import dataclasses
+import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Real
 from typing import Any, TypeVar
@@ -94,11 +95,25 @@ def split_solver_settings(overrides: Iterable[str]) -> tuple[dict[str, str], lis
 
 
 def describe(kind: type) -> str:
-    """Return one line per setting: name, default, description."""
-    return "\n".join(
-        f"  solver.{field.name} = {_shown(field.default)}    {field.metadata.get('text', '')}"
+    """Return the settings of a class as text: name and default, below them the description.
+
+    Lines are at most 100 letters long.
+    """
+    lines = []
+    for field in dataclasses.fields(kind):
+        lines.append(f"  solver.{field.name} = {_shown(field.default)}")
+        lines += textwrap.wrap(
+            field.metadata.get("text", ""), 100, initial_indent=6 * " ", subsequent_indent=6 * " "
+        )
+    return "\n".join(lines)
+
+
+def settings_records(kind: type) -> list[dict[str, Any]]:
+    """Return the settings of a class as records: name, default, description."""
+    return [
+        {"name": field.name, "default": field.default, "text": field.metadata.get("text", "")}
         for field in dataclasses.fields(kind)
-    )
+    ]
 
 
 def settings_to_toml(settings: Any) -> str:

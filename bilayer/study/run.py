@@ -20,6 +20,11 @@ from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import compute_in_processes
 from bilayer.study.rank_groups import compute_on_ranks, prepare_on_first_rank
 from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
+from bilayer.validation import one_of
+
+LONGEST, CHEAPEST = "longest", "cheapest"
+ORDERS = {LONGEST: -1, CHEAPEST: 1}
+"""The sign with which the cost of a case counts in the order of the cases."""
 
 
 def run_study(
@@ -29,6 +34,7 @@ def run_study(
     jobs: int | None = None,
     memory: float | None = None,
     retry_failed: bool = False,
+    first: str = LONGEST,
     progress: Progress | None = None,
     notice: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
@@ -49,6 +55,9 @@ def run_study(
         Bytes that all of them may take together; what is available if left out.
     retry_failed : bool
         Compute also those that failed or stopped early in an earlier start.
+    first : {"longest", "cheapest"}
+        Which cases begin: the longest, so that all cores end together; the cheapest, so that there
+        is something to look at soon.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
     notice : callable, optional
@@ -73,7 +82,7 @@ def run_study(
     folder.make()
     with folder.lock_for_study():
         _put_in_order(folder, plan, told)
-        waiting = cases_to_compute(plan, folder, retry_failed)
+        waiting = cases_to_compute(plan, folder, retry_failed, first)
         count = available_cores() if jobs is None else jobs
         room = available_memory() if memory is None else memory
         fitting, shortages = separate_by_memory(waiting, room)
@@ -93,6 +102,7 @@ def run_study_on_ranks(
     *,
     ranks_per_case: int = 1,
     retry_failed: bool = False,
+    first: str = LONGEST,
     progress: Progress | None = None,
     notice: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
@@ -100,7 +110,7 @@ def run_study_on_ranks(
 
     Parameters
     ----------
-    plan, path, retry_failed, progress, notice
+    plan, path, retry_failed, first, progress, notice
         As for `run_study`, the same on all ranks; the first reports the progress.
     world : mpi4py.MPI.Comm
         All ranks.
@@ -120,7 +130,7 @@ def run_study_on_ranks(
             folder.make()
             held.enter_context(folder.lock_for_study())
             _put_in_order(folder, plan, told)
-            return cases_to_compute(plan, folder, retry_failed)
+            return cases_to_compute(plan, folder, retry_failed, first)
 
         waiting = prepare_on_first_rank(world, prepare)
         report_end = _progress_reporter(waiting, progress if world.Get_rank() == 0 else None)
@@ -175,8 +185,10 @@ def run_one_case(
         compute_case(case, folder, world)
 
 
-def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -> list[Case]:
-    """Return the cases that the folder lacks, the longest first.
+def cases_to_compute(
+    plan: StudyPlan, folder: StudyFolder, retry_failed: bool, first: str = LONGEST
+) -> list[Case]:
+    """Return the cases that the folder lacks, the longest or the cheapest first.
 
     Those that were begun and never ended come last: if one of them is what brings a run down, all
     others are finished by then. `retry_failed` adds what failed or stopped early.
@@ -191,7 +203,8 @@ def cases_to_compute(plan: StudyPlan, folder: StudyFolder, retry_failed: bool) -
         failed = set(index["case"][index["status"].isin([CASE_FAILED, CASE_STOPPED])])
         waiting += [case for case in plan.cases if case.identity in failed]
     suspects = folder.begun_without_end()
-    return sorted(waiting, key=lambda case: (case.identity in suspects, -case.cost))
+    sign = ORDERS[one_of("first", first, ORDERS)]
+    return sorted(waiting, key=lambda case: (case.identity in suspects, sign * case.cost))
 
 
 def _put_in_order(folder: StudyFolder, plan: StudyPlan, told: Callable[[str], None]) -> None:
@@ -215,6 +228,6 @@ def _progress_reporter(cases: Sequence[Case], progress: Progress | None) -> Call
         ended.append(case)
         if progress is not None:
             fraction = sum(case.cost for case in ended) / whole
-            progress(fraction, f"{len(ended)} of {len(cases)} cases")
+            progress(fraction, f"{len(ended)} of {len(cases)} cases, % of the work")
 
     return report_end

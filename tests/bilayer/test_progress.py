@@ -1,5 +1,7 @@
 """Progress where nobody looks: lines in a log, not too many, also while a step takes long."""
 
+import io
+import sys
 import time
 
 import pytest
@@ -46,3 +48,25 @@ def test_quiet_is_quiet(quickly, capsys):
         tell(0.5, "prestretch 1.03")
         time.sleep(0.2)
     assert capsys.readouterr().err == ""
+
+
+class Screen(io.StringIO):
+    """A terminal."""
+
+    def isatty(self):
+        return True
+
+
+def test_a_terminal_gets_a_sign_while_a_step_takes_long(monkeypatch):
+    monkeypatch.setattr(progress, "SECONDS_BETWEEN_BARS", 0.05)
+    monkeypatch.setattr(progress, "SECONDS_UNTOLD", 0.2)
+    monkeypatch.setattr("sys.stderr", Screen())
+    with progress_bar("fenics") as tell:
+        tell(0.25, "searching for a stable branch")
+        time.sleep(0.5)
+        drawn = sys.stderr.getvalue()
+        tell(1.0, "prestretch 1.24")
+    assert drawn.count("searching for a stable branch") >= 4
+    assert "searching for a stable branch, 0 s" in drawn
+    assert "25%" in drawn
+    assert "100%" in sys.stderr.getvalue().removeprefix(drawn)

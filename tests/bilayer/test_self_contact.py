@@ -16,7 +16,7 @@ from bilayer import MeshSize, PlanarMesh, Response, generate_mesh, paper_specime
 from bilayer.contact.self_contact import self_contact_gap
 from bilayer.contact.skin import BondedBody, Sheet, skin_of
 from bilayer.geometry.surface import Surface
-from bilayer.results.report import contact_words, describe_trust, result_table
+from bilayer.results.report import describe_trust, gap_words, result_table
 
 BELOW, ABOVE = 0.6e-3, 1e-3
 LENGTH = 0.06
@@ -279,16 +279,16 @@ def test_every_result_carries_the_gap_and_says_where_it_touches():
     gaps = result["self_contact_gap"].values
     assert gaps[0] == np.inf
     assert gaps[2] == 0
-    assert contact_words(result)[2] == "yes"
-    assert "contact" in result_table(result).splitlines()[1]
+    assert gap_words(result)[2] == "touches"
+    assert "itself" in result_table(result).splitlines()[1]
     assert "TOUCHES ITSELF" in describe_trust(result)
     assert "1.09" in describe_trust(result).split("TOUCHES ITSELF")[1]
 
 
 def test_free_missing_and_older_results_say_so():
     stopped = cap_result(reached=1.065)
-    assert contact_words(stopped) == ["no", "no", "-"]
+    assert gap_words(stopped) == ["wide", "wide", "-"]
     assert "does not touch itself" in describe_trust(stopped)
     older = stopped.drop_vars("self_contact_gap")
-    assert contact_words(older) == ["?", "?", "?"]
+    assert gap_words(older) == ["?", "?", "?"]
     assert "not looked for" in describe_trust(older)

@@ -14,6 +14,7 @@ from studies_for_tests import QUICK, log_lines, write_study
 from bilayer import open_result, open_study, solve
 from bilayer.cli.main import main
 from bilayer.errors import ComputationError
+from bilayer.study.case_table import case_table
 from bilayer.study.compute import compute_case
 from bilayer.study.folder import StudyFolder
 from bilayer.study.index import TIMINGS, read_index, write_index
@@ -381,3 +382,34 @@ def test_a_case_that_meets_an_error_keeps_its_milestones(study, monkeypatch):
         *case.specimen.prestretch.milestones[:3],
         *case.specimen.prestretch.milestones[2:],
     ]
+
+
+def test_a_study_ends_with_a_table_of_its_cases(study, capsys):
+    write, _ = study
+    words = [word for word in write(TWO_ANGLES) if word != "--quiet"]
+    assert main(words) == 0
+    table = capsys.readouterr().out.splitlines()
+    assert table[0].split()[:4] == ["case", "solver", "cut.cutout_angle", "status"]
+    assert [line.split()[3:8] for line in table[1:3]] == [
+        ["0.3", "done", "2", "of", "2"], ["0.4", "done", "2", "of", "2"],
+    ]  # fmt: skip
+    assert table[3] == "2 done"
+
+
+def test_a_long_table_is_cut(study, monkeypatch):
+    write, out = study
+    assert main(write(TWO_ANGLES)) == 0
+    monkeypatch.setattr("bilayer.study.case_table.MOST_ROWS", 1)
+    lines = case_table(read_index(StudyFolder(out))).splitlines()
+    assert len(lines) == 3
+    assert lines[-1] == "... and 1 more"
+
+
+@pytest.mark.parametrize(
+    ("first", "sizes"), [("longest", [0.01, 0.016]), ("cheapest", [0.016, 0.01])]
+)
+def test_the_cheapest_cases_begin_if_asked(tmp_path, first, sizes):
+    text = QUICK + '[vary]\n"mesh.size" = [0.016, 0.01]\n'
+    plan = read_study(write_study(tmp_path, text))
+    waiting = cases_to_compute(plan, StudyFolder(tmp_path / "out"), False, first)
+    assert [case.specimen.mesh.size for case in waiting] == sizes

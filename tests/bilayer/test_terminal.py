@@ -17,7 +17,7 @@ from made_results import cap_result, small_specimen
 
 from bilayer.cli.main import main
 from bilayer.results.files import write_result
-from bilayer.runtime.terminal import one_line, printable
+from bilayer.runtime.terminal import one_line, printable, say, tell
 from bilayer.specimen.toml import template
 from bilayer.validation import nearest
 from dshell.settings import PaperSettings
@@ -213,3 +213,43 @@ def test_nothing_else_writes_to_a_stream(package):
         calls = [node for node in nodes if isinstance(node, ast.Call)]
         prints = [node.lineno for node in calls if getattr(node.func, "id", "") == "print"]
         assert file.name == "terminal.py" or not prints, f"{file}: {prints}"
+
+
+class Screen(io.StringIO):
+    """A terminal."""
+
+    def isatty(self):
+        return True
+
+
+def have_screens(monkeypatch):
+    """Put terminals in place of stdout and stderr."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setattr("sys.stdout", Screen())
+    monkeypatch.setattr("sys.stderr", Screen())
+
+
+def test_a_terminal_gets_errors_and_alarms_in_colour(monkeypatch):
+    have_screens(monkeypatch)
+    tell("bilayer: error: the word error: is here again")
+    say("NOT STABLE at 1.06, E of \x1b[31m")
+    assert sys.stderr.getvalue() == (
+        "bilayer: \x1b[1;31merror\x1b[0m: the word error: is here again\n"
+    )
+    assert sys.stdout.getvalue() == "\x1b[1;33mNOT STABLE\x1b[0m at 1.06, E of \\u001b[31m\n"
+
+
+@pytest.mark.parametrize(("name", "value"), [("NO_COLOR", "1"), ("TERM", "dumb")])
+def test_a_user_who_wants_no_colour_gets_none(monkeypatch, name, value):
+    have_screens(monkeypatch)
+    monkeypatch.setenv(name, value)
+    tell("bilayer: error: no")
+    say("NOT STABLE")
+    assert sys.stderr.getvalue() + sys.stdout.getvalue() == "bilayer: error: no\nNOT STABLE\n"
+
+
+def test_a_file_gets_no_colour(capsys):
+    tell("bilayer: warning: no")
+    say("NOT STABLE")
+    assert "\x1b" not in "".join(capsys.readouterr())

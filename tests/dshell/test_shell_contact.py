@@ -11,7 +11,7 @@ from bilayer import MeshSize, generate_mesh, open_result, paper_specimen, solve,
 from bilayer.contact.package import contact_is_installed
 from bilayer.errors import InputError
 from bilayer.results.caveats import touches_itself
-from bilayer.results.report import contact_words, describe_trust
+from bilayer.results.report import describe_trust, gap_words
 from dshell.settings import HingeSettings, MorleySettings
 from dshell.solver import open_path
 
@@ -95,8 +95,8 @@ def test_its_file_has_it_too(contact, tmp_path):
 
 def test_the_text_of_the_result_says_so(contact):
     assert not touches_itself(contact).any()
-    assert contact_words(contact)[0] == "no"
-    assert contact_words(contact)[2].endswith(" mm")
+    assert gap_words(contact)[0] == "wide"
+    assert gap_words(contact)[2].endswith(" mm")
     trust = describe_trust(contact)
     assert "presses on itself at 1.27, 1.3" in trust
     assert "without friction" in trust
