@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         draw_mesh,
         draw_quality,
         draw_quality_against,
+        draw_shape,
         draw_shapes,
         save_figure,
     )
@@ -91,6 +92,7 @@ _MODULES = {
         "draw_mesh",
         "draw_quality",
         "draw_quality_against",
+        "draw_shape",
         "draw_shapes",
         "save_figure",
     ),

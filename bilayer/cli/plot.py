@@ -5,6 +5,7 @@ from typing import Any
 
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
+from bilayer.errors import InputError
 from bilayer.results.files import open_result
 
 
@@ -12,9 +13,19 @@ def add(verbs: Any) -> None:
     """Add the verb and its arguments to a parser's verbs."""
     verb = add_verb(
         verbs, run, "plot",
-        "bilayer plot fenics.nc -o shape.png",
+        "bilayer plot fenics.nc -o shape.png\n"
+        "  bilayer plot fenics.nc --prestretch 1.06 1.24 --view front 30,20 -o shape.pdf",
     )  # fmt: skip
     verb.add_argument("result", metavar="FILE.nc", help="a result")
+    verb.add_argument(
+        "--prestretch", nargs="+", metavar="L",
+        help="the milestones that are drawn (default: all)",
+    )  # fmt: skip
+    verb.add_argument(
+        "--view", nargs="+", metavar="V", default=["isometric", "above"],
+        help="isometric, above, front, or azimuth and elevation of the eye in degrees as '30,20' "
+        "(default: isometric above)",
+    )  # fmt: skip
     verb.add_argument(
         "-o", "--output", required=True, metavar="FIGURE", help="the picture: .png, .pdf, .svg, ..."
     )
@@ -26,5 +37,22 @@ def run(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import check_figure_output
 
     check_output(options, check_figure_output)
-    save_figure(draw_shapes(open_result(options.result)), options.output)
+    milestones = None
+    if options.prestretch is not None:
+        milestones = [_number("--prestretch", word) for word in options.prestretch]
+    views = [_view(word) for word in options.view]
+    figure = draw_shapes(open_result(options.result), views=views, milestones=milestones)
+    save_figure(figure, options.output)
     return 0
+
+
+def _view(word: str) -> Any:
+    """Return the name of a view, or its two angles in degrees."""
+    return tuple(_number("--view", part) for part in word.split(",")) if "," in word else word
+
+
+def _number(name: str, word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"{name} {word}: expected a number") from None

@@ -9,7 +9,7 @@ from bilayer.figures.quality import (
     draw_quality_against,
 )
 from bilayer.figures.saving import save_figure
-from bilayer.figures.shape import draw_birds_eye, draw_isometric, draw_shapes
+from bilayer.figures.shape import draw_birds_eye, draw_isometric, draw_shape, draw_shapes
 
 __all__ = [
     "draw_birds_eye",
@@ -19,6 +19,7 @@ __all__ = [
     "draw_mesh",
     "draw_quality",
     "draw_quality_against",
+    "draw_shape",
     "draw_shapes",
     "save_figure",
 ]

@@ -1,7 +1,7 @@
 """The released shapes, isometric and from above, as in the paper's figures 2 and 3.
 
-Every panel shows one milestone in its body frame, apex up, at the same scale; a milestone that was
-not reached shows the last shape on the way to it.
+Every panel shows one milestone in its body frame, the upper side of the sheet up, at the same
+scale; a milestone that was not reached shows the last shape on the way to it.
 """
 
 import math
@@ -12,33 +12,35 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import TriMesh
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
+from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from bilayer.figures.regions import region_colours, region_name, regions_of
-from bilayer.figures.style import (
-    label_text,
-    new_figure,
-    print_style,
-)
+from bilayer.figures.result_looks import result_name
+from bilayer.figures.style import axes_for, new_figure, print_style
 from bilayer.geometry.surface import Surface
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.comparison import result_label
-from bilayer.results.milestones import along_milestones
+from bilayer.results.milestones import along_milestones, choose_milestones
 from bilayer.results.released_shapes import Shape, released_shapes
 from bilayer.results.schema import result_mesh
+from bilayer.validation import finite, one_of
 
 Array = NDArray[np.float64]
 
 COLUMNS = 4
 PANEL_WIDTH = 1.8
 """Inches."""
-LIGHT = np.array([-0.5, -0.35, 0.8])
-"""Direction to the light, in the body frame."""
+LIGHT = np.array([-0.45, 0.45, 0.77])
+"""Direction to the light as (right, up, toward the eye): over the left shoulder of the reader."""
+UNDERSIDE = 0.45
+"""Share of white in the colours of the lower side of the sheet."""
 TRIAD = 10.0
 """Length of the axes drawn in an isometric view, mm."""
 
@@ -60,6 +62,9 @@ class View:
 
 ISOMETRIC = View(-math.pi / 4, math.asin(1 / math.sqrt(3)))
 BIRDS_EYE = View(-math.pi / 2, math.pi / 2)
+FRONT = View(-math.pi / 2, 0.0)
+VIEWS = {"isometric": ISOMETRIC, "above": BIRDS_EYE, "front": FRONT}
+"""By name: from between x and -y, from above (x to the right, y up), along y."""
 
 
 def draw_isometric(result: xr.Dataset) -> Figure:
@@ -72,25 +77,94 @@ def draw_birds_eye(result: xr.Dataset) -> Figure:
     return _draw_views(result, [BIRDS_EYE])
 
 
-def draw_shapes(result: xr.Dataset) -> Figure:
-    """Draw every milestone in both views, the isometric ones first.
+def draw_shapes(
+    result: xr.Dataset,
+    *,
+    views: Sequence[str | tuple[float, float]] = ("isometric", "above"),
+    milestones: Sequence[float] | None = None,
+) -> Figure:
+    """Draw the milestones of a result in some views, one view below the other.
 
     Parameters
     ----------
     result : Dataset
         See `bilayer.results.schema`.
+    views : sequence
+        Each "isometric", "above", "front", or azimuth and elevation of the eye in degrees: (0, 0)
+        looks along -x, (-90, 0) along y.
+    milestones : sequence of float, optional
+        Prestretches of those that are drawn; all if left out.
 
     Raises
     ------
     InputError
-        The result holds no shape.
+        The result holds no shape, or has no such milestone.
     """
-    return _draw_views(result, [ISOMETRIC, BIRDS_EYE])
+    return _draw_views(result, [view_of(view) for view in views], milestones)
 
 
-def _draw_views(result: xr.Dataset, views: Sequence[View]) -> Figure:
+def draw_shape(
+    result: xr.Dataset, milestone: float, view: str | tuple[float, float] = "isometric",
+    ax: Axes | None = None,
+) -> Figure:  # fmt: skip
+    """Draw one milestone.
+
+    Parameters
+    ----------
+    result : Dataset
+        See `bilayer.results.schema`.
+    milestone : float
+        Its prestretch.
+    view : str or (float, float)
+        See `draw_shapes`.
+    ax : Axes, optional
+        Where to draw; a new figure if left out. A length of 10 mm is drawn beside the shape.
+
+    Raises
+    ------
+    InputError
+        The result has no such milestone, or no shape there.
+    """
+    chosen = choose_milestones(along_milestones(result), [milestone])
+    seen = view_of(view)
+    mesh = result_mesh(chosen)
+    shape = released_shapes(chosen, mesh)[0]
+    with print_style():
+        figure, axes = axes_for(ax, 3.0, 2.6)
+        frame = _frame(seen, [shape])
+        _draw_shape(axes, shape, _face_colours(mesh), seen, frame)
+        _draw_triad(np.array([[axes]]), seen, frame)
+    return figure
+
+
+def view_of(view: str | tuple[float, float]) -> View:
+    """Return a view by its name, or by azimuth and elevation of the eye in degrees.
+
+    Raises
+    ------
+    InputError
+        There is none of the name.
+
+    Examples
+    --------
+    >>> view_of((0, 90)).elevation == view_of("above").elevation
+    True
+    """
+    if isinstance(view, str):
+        return VIEWS[one_of("view", view, VIEWS)]
+    if len(view) != 2:
+        raise InputError(f"view = {view}: expected a name, or azimuth and elevation in degrees")
+    azimuth, elevation = (finite("view", angle) for angle in view)
+    return View(math.radians(azimuth), math.radians(elevation))
+
+
+def _draw_views(
+    result: xr.Dataset, views: Sequence[View], milestones: Sequence[float] | None = None
+) -> Figure:
     """Stack the views, each a grid of panels, under one legend."""
     result = along_milestones(result)
+    if milestones is not None:
+        result = choose_milestones(result, milestones)
     mesh = result_mesh(result)
     shapes = released_shapes(result, mesh)
     rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)
@@ -129,16 +203,14 @@ def _size(frame: Array) -> Array:
 
 
 def _draw_shape(axes: Axes, shape: Shape, colour: Array, view: View, frame: Array) -> None:
-    """Draw the triangles from the farthest to the nearest."""
+    """Draw the triangles from the farthest to the nearest, each with a colour for each corner."""
     seen = view.project(shape.surface.corners)
     order = np.argsort(seen[:, :, 2].mean(axis=1))
-    colours = _shaded(shape.surface, colour)[order]
-    # edges in the colour of the faces close the gaps that smoothing would leave between them
-    axes.add_collection(
-        PolyCollection(
-            list(seen[order, :, :2]), facecolors=colours, edgecolors=colours, linewidths=0.25
-        )
-    )
+    corners = seen[order, :, :2].reshape(-1, 2)
+    triangles = np.arange(len(corners)).reshape(-1, 3)
+    drawn = TriMesh(Triangulation(*corners.T, triangles), rasterized=True)
+    drawn.set_facecolor(_shaded(shape.surface, colour, view)[order].reshape(-1, 3))
+    axes.add_collection(drawn)
     axes.set(xlim=frame[:, 0], ylim=frame[:, 1], aspect="equal")
     axes.xaxis.set_major_locator(MultipleLocator(20))
     axes.yaxis.set_major_locator(MultipleLocator(20))
@@ -179,7 +251,7 @@ def _draw_legend(figure: SubFigure, result: xr.Dataset, mesh: PlanarMesh) -> Non
         Patch(color=colours[region], label=region_name(mesh, region)) for region in regions_of(mesh)
     ]
     columns = min(len(patches), 2) if len(patches) < 5 else 3
-    title = label_text(result_label(result))
+    title = result_name(result_label(result))
     figure.legend(handles=patches, loc="center", ncols=columns, title=title)
 
 
@@ -190,10 +262,26 @@ def _face_colours(mesh: PlanarMesh) -> Array:
     return np.array(palette)[mesh.region]
 
 
-def _shaded(surface: Surface, base: Array) -> Array:
-    """Return the colour of each triangle by how it faces the light, (m, 3) from 0 to 1.
+def _shaded(surface: Surface, base: Array, view: View) -> Array:
+    """Return the colour of each corner of each triangle, (m, 3, 3): triangle, corner, red to blue.
 
-    Half Lambert shading keeps the sides away from the light apart, too.
+    The normal of a corner is that of the surface at its node, turned to the eye: the side that is
+    seen is the one that is lit. The lower side of the sheet is paler. Half Lambert shading keeps
+    the parts away from the light apart, too.
     """
-    toward_light = surface.area_vectors @ (LIGHT / np.linalg.norm(LIGHT)) / surface.areas
-    return base * (0.35 + 0.65 * ((1 + toward_light) / 2) ** 1.5)[:, None]
+    own = view.project(surface.area_vectors / surface.areas[:, None])
+    normals = view.project(_node_normals(surface))[surface.triangles]
+    is_upper = own[:, 2] >= 0
+    turned = normals * np.where(is_upper, 1.0, -1.0)[:, None, None]
+    toward_light = turned @ (LIGHT / np.linalg.norm(LIGHT))
+    shade = 0.35 + 0.65 * ((1 + toward_light) / 2) ** 1.5
+    paint = np.where(is_upper[:, None], base, base + UNDERSIDE * (1 - base))
+    return paint[:, None, :] * shade[:, :, None]
+
+
+def _node_normals(surface: Surface) -> Array:
+    """Return the unit normal of the surface at each node, from the triangles around it, (n, 3)."""
+    summed = np.zeros_like(surface.points)
+    np.add.at(summed, surface.triangles, surface.area_vectors[:, None, :])
+    length = np.linalg.norm(summed, axis=1, keepdims=True)
+    return summed / np.where(length > 0, length, 1.0)

@@ -1,10 +1,14 @@
-"""The style of the figures: fonts and lines for print, colours for colour-blind readers."""
+"""The style of the figures: fonts and lines for print, colours for colour-blind readers.
+
+What the user has set in matplotlib's own settings (`rcParams`, a style sheet) stays.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bilayer.runtime.terminal import one_line
@@ -30,6 +34,8 @@ _STYLE: dict[Any, Any] = {
     "grid.color": "0.85",
     "grid.linewidth": 0.6,
     "legend.frameon": False,
+    "pdf.fonttype": 42,  # TrueType: journals refuse Type 3
+    "ps.fonttype": 42,
     "svg.hashsalt": "bilayer",  # the same names of parts in every file
 }
 
@@ -58,13 +64,33 @@ def label_text(name: object) -> str:
 
 @contextmanager
 def print_style() -> Iterator[None]:
-    """Draw inside with the settings for print, whatever the user's own are."""
+    """Draw inside with the settings for print; those that the user has changed stay."""
     with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(_STYLE)
+        untouched = {
+            name: value
+            for name, value in _STYLE.items()
+            if mpl.rcParams[name] == mpl.rcParamsDefault[name]
+        }
+        mpl.rcParams.update(untouched)
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure of a size in inches that arranges its own panels."""
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def axes_for(ax: Axes | None, width: float, height: float) -> tuple[Figure, Axes]:
+    """Return a figure and the axes to draw in: those of the user, or new ones of a size, inches."""
+    if ax is None:
+        figure = new_figure(width, height)
+        return figure, figure.add_subplot()
+    return ax.get_figure(), ax  # type: ignore[return-value]
+
+
+def legend_for(figure: Figure, ax: Axes | None, axes: Axes, columns: int) -> None:
+    """Put the legend above a figure of our own, or into the axes of the user."""
+    if ax is None:
+        figure.legend(loc="outside upper center", ncols=columns)
+    else:
+        axes.legend()

@@ -68,6 +68,24 @@ def body_frame(mesh: PlanarMesh, position: Array) -> BodyFrame:
     return BodyFrame(origin, np.array([x, np.cross(normal, x), normal]))
 
 
+def upright_frame(mesh: PlanarMesh, position: Array) -> BodyFrame:
+    """Return the frame in which a shape is shown: that of the body, the upper side of the sheet up.
+
+    A body that opens upwards has its apex below; `body_frame` turns it over, for its measures.
+
+    Parameters
+    ----------
+    mesh, position
+        As for `body_frame`.
+    """
+    frame = body_frame(mesh, position)
+    upper = _whole_rotation(mesh, position).apply([0.0, 0.0, 1.0])
+    if upper @ frame.axes[2] >= 0:
+        return frame
+    x, y, z = frame.axes
+    return BodyFrame(frame.origin, np.array([x, -y, -z]))
+
+
 def _plane_normal(centred: Array) -> Array:
     """Return the normal of the least-squares plane: the direction of least variance."""
     return np.linalg.eigh(centred.T @ centred)[1][:, 0]

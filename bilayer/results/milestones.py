@@ -1,5 +1,8 @@
 """The milestones of a result as a dimension, also those of `result.sel(prestretch=1.06)`."""
 
+from collections.abc import Sequence
+
+import numpy as np
 import xarray as xr
 
 from bilayer.errors import InputError
@@ -42,3 +45,31 @@ def along_milestones(result: xr.Dataset) -> xr.Dataset:
     scalars = {name: c for name, c in of_milestones.coords.items() if c.ndim == 0}
     spread = {name: ("prestretch", [c.values], c.attrs) for name, c in scalars.items()}
     return of_milestones.assign_coords(spread).assign(result[shared].data_vars)
+
+
+def choose_milestones(result: xr.Dataset, stretches: Sequence[float]) -> xr.Dataset:
+    """Return a result with some of its milestones, in their order in the result.
+
+    Parameters
+    ----------
+    result : Dataset
+        Along its milestones.
+    stretches : sequence of float
+        Their prestretches; a prestretch that the path took more than once gives all its visits.
+
+    Raises
+    ------
+    InputError
+        The result has no such milestone.
+    """
+    there = result["prestretch"].values
+    chosen = np.zeros(len(there), dtype=bool)
+    for stretch in stretches:
+        found = np.isclose(there, stretch, rtol=0, atol=1e-9)
+        if not found.any():
+            listed = ", ".join(f"{one:g}" for one in there)
+            raise InputError(
+                f"prestretch = {stretch:g}: not in the result, expected one of {listed}"
+            )
+        chosen |= found
+    return result.isel(prestretch=chosen)

@@ -1,4 +1,4 @@
-"""The shapes of a result that can be shown, each in its body frame."""
+"""The shapes of a result that can be shown, each in its body frame, the upper side up."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import xarray as xr
 
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
-from bilayer.measures.body_frame import body_frame
+from bilayer.measures.body_frame import upright_frame
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
@@ -27,7 +27,7 @@ class Shape:
     note : str
         What to know of it, such as where the path stopped; "" for nothing.
     surface : Surface
-        In the body frame, mm.
+        In the body frame with the sheet's upper side up, mm.
     """
 
     title: str
@@ -36,7 +36,7 @@ class Shape:
 
 
 def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
-    """Return the shapes of all milestones that have one, apex up.
+    """Return the shapes of all milestones that have one, the upper side of the sheet up.
 
     A milestone that was not reached has the last shape on the way to it.
 
@@ -61,7 +61,7 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
             position = milestone["last_position"].values
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"
         if np.isfinite(position).all():
-            upright = MM_PER_M * body_frame(mesh, position).coordinates(position)
+            upright = MM_PER_M * upright_frame(mesh, position).coordinates(position)
             title = f"λ = {stretch_text(pairs[k])}"
             shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
     if not shapes:

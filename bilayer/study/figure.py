@@ -15,13 +15,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bilayer.errors import InputError
+from bilayer.figures.branch_changes import branch_changes, line_with_gaps
 from bilayer.figures.caveat_marks import mark_caveats
 from bilayer.figures.quality import PRESTRETCH_LABEL, QUALITY_LABEL
+from bilayer.figures.result_looks import result_looks
 from bilayer.figures.style import (
     RESULT_COLOURS,
     RESULT_MARKERS,
+    axes_for,
     label_text,
-    new_figure,
+    legend_for,
     print_style,
 )
 from bilayer.results.caveats import is_unstable, touches_itself
@@ -36,6 +39,8 @@ FIELD_UNITS = {
 """Units of the specimen's fields, by the last part of the dotted name."""
 SHOWN_UNITS = {"m": (1e3, "mm"), "Pa": (1e-3, "kPa")}
 """Units in which lengths and moduli are drawn, with the factor to them."""
+DESCRIBING = ("quality", "hemisphere_distance")
+"""Measures of the order of one by which a change of branch is seen."""
 NOT_A_NAME = ("identity", "case_file", "xyz")
 
 
@@ -45,8 +50,11 @@ def draw_study(
     y: str,
     hue: str | None = None,
     chosen: Mapping[str, Any] | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw a scalar of a study over one of its fields.
+
+    A line has a gap where the shapes change to another branch, and where one was not reached.
 
     Parameters
     ----------
@@ -60,6 +68,8 @@ def draw_study(
         Like `x`: a line for each of its values.
     chosen : mapping, optional
         Values of other fields, those that are drawn.
+    ax : Axes, optional
+        Where to draw; a new figure if left out.
 
     Raises
     ------
@@ -69,12 +79,14 @@ def draw_study(
     table = study_table(study, x, y, hue, chosen or {})
     lines = [("", table)] if hue is None else list(table.groupby(hue, sort=True))
     with print_style():
-        figure = new_figure(5.2, 4.0)
-        axes = figure.add_subplot()
+        figure, axes = axes_for(ax, 5.2, 4.0)
         for k, (value, line) in enumerate(lines):
             look = _line_style(k, len(lines))
             label = label_text(y if hue is None else _value_text(hue, value))
-            axes.plot(line[x], line[y], label=label, clip_on=False, **look)
+            if hue == "model":
+                known = result_looks([f"{line['solver'].iloc[0]} {value}"])[0]
+                look, label = known.style, known.name
+            axes.plot(*_with_gaps(line, x, y), label=label, clip_on=False, **look)
         _mark(axes, table, x, y)
         axes.set_xlabel(label_text(LABELS.get(x, _with_unit(x, _field_unit(x)))))
         y_label = LABELS.get(y, _with_unit(y, study[y].attrs.get("units", "1")))
@@ -88,7 +100,8 @@ def draw_study(
         axes.set_title(
             label_text(", ".join(_value_text(name, value) for name, value in fixed.items()))
         )
-        figure.legend(loc="outside upper center", ncols=3)
+        axes.margins(x=0.05)
+        legend_for(figure, ax, axes, 3)
     return figure
 
 
@@ -100,7 +113,8 @@ def study_table(
     Returns
     -------
     DataFrame
-        Columns `x`, `hue`, `y`, and `converged`, `unstable`, `touches_itself`.
+        Columns `x`, `hue`, `y`, `solver`, `converged`, `unstable`, `touches_itself`, and the
+        measures of `DESCRIBING`.
     """
     names = [str(name) for name in study.coords if name not in NOT_A_NAME]
     for option, name in (("x", x), ("hue", hue), *(("select", name) for name in chosen)):
@@ -110,7 +124,7 @@ def study_table(
         raise InputError("no case of the study is finished yet: nothing to draw")
     _check_known("y", y, scalars)
     like = study["converged"]
-    judged = study[[y, "converged"]].assign(
+    judged = study[list(dict.fromkeys([y, "converged", *DESCRIBING]))].assign(
         unstable=like.copy(data=is_unstable(study)),
         touches_itself=like.copy(data=touches_itself(study)),
     )
@@ -122,6 +136,13 @@ def study_table(
     shown = table.assign(**{x: _scaled(table[x], _field_unit(x))})
     shown[y] = _scaled(table[y], study[y].attrs.get("units", "1"))
     return shown.sort_values(x)
+
+
+def _with_gaps(line: pd.DataFrame, x: str, y: str) -> tuple[Any, Any]:
+    """Return a line with a gap wherever the shapes change to another branch."""
+    if not pd.api.types.is_numeric_dtype(line[x]):
+        return line[x], line[y]
+    return line_with_gaps(line[x], line[y], branch_changes(line[x], line[list(DESCRIBING)]))
 
 
 def _check_known(option: str, name: str | None, known: Sequence[str]) -> None:

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from made_results import cap_result, small_specimen
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection, TriMesh
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 from scipy.spatial.transform import Rotation
+from shapes import cap
 from sheets import OUTLINES, PATTERNS, trilayer
 
 from bilayer import ComputationError, InputError, generate_mesh, result_mesh
@@ -22,12 +24,19 @@ from bilayer.figures import (
     draw_mesh,
     draw_quality,
     draw_quality_against,
+    draw_shape,
     draw_shapes,
     save_figure,
 )
+from bilayer.figures.branch_changes import branch_changes
 from bilayer.figures.mesh import BARE_EDGE, BILAYER_EDGE, edge_regions
-from bilayer.figures.style import BARE_COLOUR, KIRIGAMI_COLOUR
+from bilayer.figures.result_looks import result_looks
+from bilayer.figures.shape import BIRDS_EYE, ISOMETRIC, View, _face_colours, _shaded
+from bilayer.figures.style import BARE_COLOUR, KIRIGAMI_COLOUR, print_style
+from bilayer.geometry.surface import Surface
+from bilayer.mesh.planar import flat_surface
 from bilayer.results.comparison import compare, comparison_table
+from bilayer.results.released_shapes import released_shapes
 
 
 @pytest.fixture(scope="module")
@@ -134,8 +143,8 @@ def test_a_panel_for_every_milestone_at_the_same_scale(stopped, draw):
 def test_a_view_from_above_shows_the_body_frame_in_mm():
     tilted = cap_result(motion=Rotation.from_rotvec([1.0, 0.5, 0.0]).apply)
     axes = visible_axes(draw_birds_eye(tilted))[0]
-    (triangles,) = (c for c in axes.collections if isinstance(c, PolyCollection))
-    corners = np.concatenate([path.vertices for path in triangles.get_paths()])
+    (triangles,) = (c for c in axes.collections if isinstance(c, TriMesh))
+    corners = triangles.get_datalim(axes.transData).get_points()
     span = 1e3 * tilted["span"].values[0, :2]
     assert np.ptp(corners, axis=0) == pytest.approx(span, rel=1e-6)
     hues = {int(np.argmax(colour[:3])) for colour in triangles.get_facecolor()}
@@ -156,7 +165,7 @@ def test_quality_marks_what_was_not_reached(whole, stopped):
     (axes,) = draw_quality([whole, stopped]).get_axes()
     lines = {line.get_label(): line for line in axes.get_lines()}
     assert lines["fenics mooney-rivlin"].get_ydata().tolist() == whole["quality"].values.tolist()
-    assert lines["dshell paper, not reached"].get_xdata().tolist() == [1.09]
+    assert lines["shell (paper), not reached"].get_xdata().tolist() == [1.09]
     assert "fenics mooney-rivlin, not reached" not in lines
 
 
@@ -166,7 +175,8 @@ def test_quality_against_quality_names_each_point(whole, stopped):
     points = next(line for line in axes.get_lines() if "milestone" in line.get_label())
     assert points.get_xdata()[:2] == pytest.approx(whole["quality"].values[:2])
     assert points.get_ydata()[:2] == pytest.approx(stopped["quality"].values[:2])
-    assert axes.get_xlabel() == "quality of fenics mooney-rivlin"
+    assert axes.get_xlabel() == "quality, fenics mooney-rivlin"
+    assert axes.get_ylabel() == "quality, shell (paper)"
 
 
 def test_a_comparison_is_drawn_from_its_dataset(whole):
@@ -222,13 +232,24 @@ def test_no_state_of_pyplot_is_touched(whole):
     assert pyplot is None or pyplot.get_fignums() == []
 
 
-def test_the_users_own_style_does_not_matter(tmp_path, whole):
+def test_the_users_own_style_is_kept_and_the_rest_is_for_print(whole):
     import matplotlib as mpl
 
-    save_figure(draw_quality([whole]), tmp_path / "a.png")
-    with mpl.rc_context({"font.size": 30, "axes.facecolor": "green"}):
-        save_figure(draw_quality([whole]), tmp_path / "b.png")
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    with mpl.rc_context({"font.size": 30, "legend.fontsize": 17}):
+        draw_quality([whole])
+        assert mpl.rcParams["font.size"] == 30
+        with print_style():
+            assert mpl.rcParams["font.size"] == 30
+            assert mpl.rcParams["legend.fontsize"] == 17
+            assert mpl.rcParams["xtick.labelsize"] == 8
+    assert mpl.rcParams["xtick.labelsize"] != 8
+
+
+def test_a_pdf_has_fonts_that_journals_take(whole, tmp_path):
+    save_figure(draw_quality([whole]), tmp_path / "a.pdf")
+    text = (tmp_path / "a.pdf").read_bytes()
+    assert b"/CIDFontType2" in text  # TrueType
+    assert b"/Type3" not in text
 
 
 def test_many_milestones_fill_a_grid():
@@ -290,3 +311,90 @@ def test_a_name_that_begins_with_an_underscore_is_in_the_legend():
     comparison.attrs["second"] = "_mine"
     (legend,) = draw_distances([comparison]).legends
     assert [text.get_text().strip("\N{ZERO WIDTH SPACE}") for text in legend.texts] == ["_mine"]
+
+
+def test_the_side_that_is_seen_is_the_one_that_is_lit(whole):
+    """An underside is paler than the upper side, never black."""
+    mesh = result_mesh(whole)
+    flat, colours = flat_surface(mesh), _face_colours(mesh)
+    above = _shaded(flat, colours, BIRDS_EYE)
+    below = _shaded(flat, colours, View(0.0, -np.pi / 2))
+    assert above.shape == (len(mesh.triangles), 3, 3)
+    assert (below >= above).all()
+    assert below.mean() > 1.1 * above.mean()
+
+
+def test_shading_is_smooth_over_the_edges_of_triangles(whole):
+    """Triangles of one colour have one shade at each node that they share."""
+    mesh = result_mesh(whole)
+    surface = Surface(cap(mesh.points, 1.0), mesh.triangles)
+    shades = _shaded(surface, np.ones((len(mesh.triangles), 3)), ISOMETRIC)[:, :, 0]
+    upper = ISOMETRIC.project(surface.area_vectors)[:, 2] >= 0
+    low, high = np.full(len(mesh.points), 2.0), np.full(len(mesh.points), -1.0)
+    np.minimum.at(low, mesh.triangles[upper], shades[upper])
+    np.maximum.at(high, mesh.triangles[upper], shades[upper])
+    seen = high > 0
+    np.testing.assert_allclose(low[seen], high[seen], atol=1e-12)
+    assert np.ptp(shades) > 0.2
+
+
+def test_a_body_that_opens_upwards_is_not_turned_over():
+    bowl = cap_result(motion=lambda x: x * [1, 1, -1])
+    apex = {}
+    for name, result in {"dome": cap_result(), "bowl": bowl}.items():
+        (shape, *_) = released_shapes(result, result_mesh(result))
+        points = shape.surface.points
+        middle = np.argmin(np.hypot(*points[:, :2].T))
+        apex[name] = points[middle, 2] - points[:, 2].mean()
+    assert apex["dome"] > 0 > apex["bowl"]
+    assert bowl["height"].values == pytest.approx(cap_result()["height"].values)
+
+
+def test_views_and_milestones_are_chosen(whole):
+    panels = visible_axes(draw_shapes(whole, views=["front", (30, 20)], milestones=[1.06, 1.03]))
+    assert [axes.get_title() for axes in panels] == 2 * ["λ = 1.03", "λ = 1.06"]
+    with pytest.raises(InputError, match=r"prestretch = 1.05: not in the result, expected one of"):
+        draw_shapes(whole, milestones=[1.05])
+    with pytest.raises(InputError, match=r"view = 'font'.*did you mean 'front'"):
+        draw_shapes(whole, views=["font"])
+
+
+def test_figures_are_drawn_into_the_axes_of_the_user(whole, stopped):
+    figure = Figure()
+    axes = figure.subplots(2, 2)
+    assert draw_quality([whole, stopped], ax=axes[0, 0]) is figure
+    draw_quality_against(stopped, whole, ax=axes[0, 1])
+    draw_distances([compare(whole, stopped)], ax=axes[1, 0])
+    draw_shape(whole, 1.06, "above", ax=axes[1, 1])
+    assert all(one.has_data() for one in axes.flat)
+    assert axes[1, 1].get_title() == "λ = 1.06"
+    assert figure.legends == []
+
+
+def test_a_solver_and_model_has_one_name_and_colour_in_whatever_company():
+    alone = result_looks(["dshell morley"])[0]
+    among = result_looks(["fenics solid", "dshell hinge", "dshell morley"])[2]
+    twice = result_looks(["dshell morley (a.nc)", "dshell morley (b.nc)"])
+    assert alone == among
+    assert [look.colour for look in twice] == [alone.colour] * 2
+    assert [look.name for look in twice] == ["shell (morley) (a.nc)", "shell (morley) (b.nc)"]
+    assert twice[0].line != twice[1].line
+
+
+def test_no_line_is_joined_across_a_change_of_branch():
+    x = np.linspace(0, 1, 9)
+    snap = np.where(x < 0.45, 0.9 - 0.1 * x, 0.3 - 0.1 * x)
+    assert np.flatnonzero(branch_changes(x, snap)).tolist() == [3]
+    root = np.sqrt(np.maximum(x - 0.5, 0))  # a bifurcation: no jump
+    assert not branch_changes(x, root).any()
+    assert not branch_changes(x, np.full(9, np.nan)).any()
+    snapped = cap_result(small_specimen((1.01, 1.02, 1.03, 1.04, 1.05, 1.06)))
+    snapped["hemisphere_distance"] = ("prestretch", [0.9, 0.88, 0.86, 0.3, 0.28, 0.26])
+    line = draw_quality([snapped]).get_axes()[0].get_lines()[0]
+    assert np.flatnonzero(np.isnan(line.get_xdata())).tolist() == [3]
+
+
+def test_a_curve_has_room_below_the_frame(whole):
+    *_, height = draw_comparison(compare(whole, whole)).get_axes()
+    assert height.get_ylim()[1] > 1.03 * height.get_lines()[0].get_ydata().max()
+    assert height.get_ylim()[0] == 0
