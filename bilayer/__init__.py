@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         draw_shapes,
         save_figure,
     )
+    from bilayer.figures.animation import save_animation
     from bilayer.fitting.fit import fit
     from bilayer.fitting.measurement import Measurement, read_measurement
     from bilayer.mesh.generation import generate_mesh
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from bilayer.runtime.version import __version__
     from bilayer.scan.cloud import Cloud, read_cloud
     from bilayer.scan.comparison import compare_scan
+    from bilayer.solvers.between import solve_between
     from bilayer.solvers.registry import follow, solve
     from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.materials import (
@@ -96,6 +98,7 @@ _MODULES = {
         "draw_shapes",
         "save_figure",
     ),
+    "bilayer.figures.animation": ("save_animation",),
     "bilayer.fitting.fit": ("fit",),
     "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
     "bilayer.mesh.generation": ("generate_mesh",),
@@ -108,6 +111,7 @@ _MODULES = {
     "bilayer.runtime.version": ("__version__",),
     "bilayer.scan.cloud": ("Cloud", "read_cloud"),
     "bilayer.scan.comparison": ("compare_scan",),
+    "bilayer.solvers.between": ("solve_between",),
     "bilayer.solvers.registry": ("follow", "solve"),
     "bilayer.specimen.materials": (
         "ArrudaBoyce",
@@ -158,6 +162,8 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'bilayer' has no attribute {name!r}")
     value = globals()[name] = getattr(import_module(_HOME[name]), name)
+    if "xarray" in sys.modules:
+        import_module("bilayer.accessor")  # datasets get `.bilayer`
     return value
 
 

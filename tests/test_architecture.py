@@ -31,6 +31,7 @@ FLOORS = {
         ["figures"],
         ["viewer"],
         ["study"],
+        ["accessor"],
         ["cli"],
         ["__main__"],
         ["__init__"],

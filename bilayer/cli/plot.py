@@ -39,19 +39,20 @@ def run(options: argparse.Namespace) -> int:
     check_output(options, check_figure_output)
     milestones = None
     if options.prestretch is not None:
-        milestones = [_number("--prestretch", word) for word in options.prestretch]
-    views = [_view(word) for word in options.view]
+        milestones = [number("--prestretch", word) for word in options.prestretch]
+    views = [view_argument(word) for word in options.view]
     figure = draw_shapes(open_result(options.result), views=views, milestones=milestones)
     save_figure(figure, options.output)
     return 0
 
 
-def _view(word: str) -> Any:
+def view_argument(word: str) -> Any:
     """Return the name of a view, or its two angles in degrees."""
-    return tuple(_number("--view", part) for part in word.split(",")) if "," in word else word
+    return tuple(number("--view", part) for part in word.split(",")) if "," in word else word
 
 
-def _number(name: str, word: str) -> float:
+def number(name: str, word: str) -> float:
+    """Read a number of an option."""
     try:
         return float(word)
     except ValueError:

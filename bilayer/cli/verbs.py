@@ -18,6 +18,7 @@ VERBS = {
     "compare": "compare two results on the same planar mesh",
     "settings": "list the models of the solvers, or the settings of one",
     "plot": "draw isometric and bird's-eye views per prestretch",
+    "animate": "write the shapes one after the other as a GIF or an MP4",
     "view": "write a page that shows a result in three dimensions, and open it",
     "convert": "write the shapes for ParaView and others",
     "export": "write the specimen as Abaqus input decks, which CalculiX runs; one per prestretch",

@@ -131,10 +131,14 @@ def draw_shape(
     shape = released_shapes(chosen, mesh)[0]
     with print_style():
         figure, axes = axes_for(ax, 3.0, 2.6)
-        frame = _frame(seen, [shape])
-        _draw_shape(axes, shape, _face_colours(mesh), seen, frame)
-        _draw_triad(np.array([[axes]]), seen, frame)
+        draw_frame(axes, shape, mesh, seen, frame_of(seen, [shape]))
     return figure
+
+
+def draw_frame(axes: Axes, shape: Shape, mesh: PlanarMesh, view: View, frame: Array) -> None:
+    """Draw one shape in axes that `frame_of` bounds, with directions and scale beside it."""
+    _draw_shape(axes, shape, _face_colours(mesh), view, frame)
+    _draw_triad(np.array([[axes]]), view, frame)
 
 
 def view_of(view: str | tuple[float, float]) -> View:
@@ -168,7 +172,7 @@ def _draw_views(
     mesh = result_mesh(result)
     shapes = released_shapes(result, mesh)
     rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)
-    frames = [_frame(view, shapes) for view in views]
+    frames = [frame_of(view, shapes) for view in views]
     heights = [rows * (PANEL_WIDTH * up / right + 0.25) + 0.25 for right, up in map(_size, frames)]
     with print_style():
         figure = new_figure(max(PANEL_WIDTH * columns + 0.4, 3.4), sum(heights) + 0.5)
@@ -190,8 +194,8 @@ def _draw_views(
     return figure
 
 
-def _frame(view: View, shapes: Sequence[Shape]) -> Array:
-    """Lowest and highest (right, up) that hold every shape as seen, mm, shape (2, 2)."""
+def frame_of(view: View, shapes: Sequence[Shape]) -> Array:
+    """Return the lowest and highest (right, up) that hold every shape as seen, mm, (2, 2)."""
     seen = np.concatenate([view.project(shape.surface.points)[:, :2] for shape in shapes])
     margin = 0.03 * np.ptp(seen)
     room = 0.0 if view is BIRDS_EYE else 0.7 * TRIAD  # below, for the triad

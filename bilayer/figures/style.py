@@ -3,12 +3,14 @@
 What the user has set in matplotlib's own settings (`rcParams`, a style sheet) stays.
 """
 
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from bilayer.runtime.terminal import one_line
@@ -40,6 +42,7 @@ _STYLE: dict[Any, Any] = {
 }
 
 
+SCREEN_DOTS_PER_INCH = 100
 LONGEST_LABEL = 120
 """Letters of a name that are drawn."""
 
@@ -75,9 +78,20 @@ def print_style() -> Iterator[None]:
         yield
 
 
+class ShownFigure(Figure):
+    """A figure that a notebook shows, also where pyplot was not loaded."""
+
+    def _repr_png_(self) -> bytes:
+        """Return the figure as the bytes of a PNG."""
+        picture = io.BytesIO()
+        with print_style():
+            FigureCanvasAgg(self).print_figure(picture, format="png", dpi=SCREEN_DOTS_PER_INCH)
+        return picture.getvalue()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure of a size in inches that arranges its own panels."""
-    return Figure(figsize=(width, height), layout="constrained")
+    return ShownFigure(figsize=(width, height), layout="constrained")
 
 
 def axes_for(ax: Axes | None, width: float, height: float) -> tuple[Figure, Axes]:

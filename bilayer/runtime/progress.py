@@ -3,6 +3,7 @@
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -84,7 +85,7 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
     latest = _Latest()
     if not shown:
         yield latest
-    elif sys.stderr.isatty():
+    elif sys.stderr.isatty() or in_notebook():
         with _bar(title, latest):
             yield latest
     else:
@@ -92,10 +93,41 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
             yield latest
 
 
+def in_notebook() -> bool:
+    """Whether this process is the kernel of a notebook."""
+    shell = sys.modules.get("IPython")
+    running = shell.get_ipython() if shell is not None and "ipykernel" in sys.modules else None
+    return running is not None and type(running).__name__ == "ZMQInteractiveShell"
+
+
+@contextmanager
+def progress_asked(title: str, asked: Progress | bool | None) -> Iterator[Progress | None]:
+    """Give the callback that a function was asked for by its argument `progress`.
+
+    Parameters
+    ----------
+    title : str
+        Of a bar.
+    asked : callable, bool or None
+        A callback is given as it is; True is a bar, False nothing, None a bar in a notebook alone.
+    """
+    if asked is None:
+        asked = in_notebook()
+    if callable(asked):
+        yield asked
+    elif asked:
+        with progress_bar(title) as progress:
+            yield progress
+    else:
+        yield None
+
+
 @contextmanager
 def _bar(title: str, latest: _Latest) -> Iterator[None]:
-    """Draw a bar from a thread of its own."""
-    from tqdm import tqdm
+    """Draw a bar from a thread of its own; in a notebook one of its own kind, if it has any."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # tqdm warns of a notebook without widgets
+        from tqdm.auto import tqdm
 
     layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}{postfix}"
     with tqdm(

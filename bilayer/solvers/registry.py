@@ -14,7 +14,7 @@ import xarray as xr
 from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.starting import Neighbour, with_waypoints
-from bilayer.runtime.progress import Progress
+from bilayer.runtime.progress import Progress, progress_asked
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Solver, Start
 from bilayer.solvers.path import Observer
@@ -52,7 +52,7 @@ def solve(
     mesh: PlanarMesh | None = None,
     start: xr.Dataset | Neighbour | str | None = None,
     comm: Any = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     observers: Sequence[Observer] = (),
     output: str | Path | None = None,
     resume: str | Path | None = None,
@@ -75,8 +75,9 @@ def solve(
         on the same mesh, from either solver: its shapes. The solver's own default if left out.
     comm : mpi4py.MPI.Comm, optional
         The communicator; COMM_WORLD if a solver is parallel and none is given.
-    progress : callable, optional
-        See `bilayer.runtime.progress.Progress`.
+    progress : callable or bool, optional
+        True: a bar; False: none; left out: a bar in a notebook. Or a callback, see
+        `bilayer.runtime.progress.Progress`.
     observers : sequence of callable
         Each is told of every `bilayer.solvers.path.LoadStep`, on every rank, after the milestone is
         kept.
@@ -99,18 +100,19 @@ def solve(
         Ctrl-C; with the milestones that were reached, if there are any.
     """
     asked, chosen = specimen_given(specimen), solver_named(solver)
-    return solve_with(
-        chosen,
-        asked,
-        settings_class(solver)() if settings is None else settings,
-        mesh=mesh,
-        start=_start_of(asked, chosen, start),
-        comm=comm,
-        progress=progress,
-        observers=observers,
-        output=output,
-        resume=resume,
-    )
+    with progress_asked(solver, progress) as report:
+        return solve_with(
+            chosen,
+            asked,
+            settings_class(solver)() if settings is None else settings,
+            mesh=mesh,
+            start=_start_of(asked, chosen, start),
+            comm=comm,
+            progress=report,
+            observers=observers,
+            output=output,
+            resume=resume,
+        )
 
 
 def follow(

@@ -101,6 +101,12 @@ class Specimen:
             for milestone in self.prestretch.milestones:
                 layer.response.axial(milestone)
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a drawing, and the layers with their units."""
+        from bilayer.specimen.html import specimen_html  # few need it
+
+        return specimen_html(self)
+
     @property
     def characteristic_length(self) -> float:
         """Radius of the circle of the outline's area, m; of a disc its radius."""
