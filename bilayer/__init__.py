@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from bilayer.solvers.between import solve_between
     from bilayer.solvers.registry import follow, solve
     from bilayer.specimen.layer import BondedLayer, Layer, Response
+    from bilayer.specimen.load import Load
     from bilayer.specimen.materials import (
         ArrudaBoyce,
         Gent,
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
         register_law,
     )
     from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
+    from bilayer.specimen.part import Limit, Part
     from bilayer.specimen.pattern import (
         Contours,
         Cross,
@@ -69,6 +71,7 @@ if TYPE_CHECKING:
     )
     from bilayer.specimen.prestretch import Prestretch
     from bilayer.specimen.specimen import MeshSize, Specimen
+    from bilayer.specimen.supported import Support
     from bilayer.specimen.toml import (
         paper_specimen,
         parse_specimen,
@@ -125,7 +128,9 @@ _MODULES = {
         "register_law",
     ),
     "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
+    "bilayer.specimen.load": ("Load",),
     "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
+    "bilayer.specimen.part": ("Limit", "Part"),
     "bilayer.specimen.pattern": (
         "Contours",
         "Cross",
@@ -136,6 +141,7 @@ _MODULES = {
     ),
     "bilayer.specimen.prestretch": ("Prestretch",),
     "bilayer.specimen.specimen": ("MeshSize", "Specimen"),
+    "bilayer.specimen.supported": ("Support",),
     "bilayer.specimen.toml": (
         "paper_specimen",
         "parse_specimen",

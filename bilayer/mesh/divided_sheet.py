@@ -228,6 +228,7 @@ def divided(specimen: Specimen) -> tuple[Part, ...]:
     regions = {name: specimen.region_of(name) for name in patterned}
     outline = specimen.outline.polygon
     edges = [outline.boundary, *(region.boundary for region in regions.values())]
+    edges += specimen.drawn_lines
     lines = shapely.union_all(edges, grid_size=grid)
     parts = []
     for polygon in shapely.polygonize([lines]).geoms:

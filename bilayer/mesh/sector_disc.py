@@ -50,6 +50,7 @@ class SectorDisc:
             not isinstance(specimen.outline, Disc)
             or not isinstance(cut, CutPattern | None)
             or len(cuts) > 1
+            or specimen.drawn_lines
             or not everywhere
         ):
             return None

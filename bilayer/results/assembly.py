@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.layer_variables import body_name, layer_variables, surface_name
+from bilayer.results.load_variables import load_coordinates, response_variables
 from bilayer.results.schema import FORMAT, SCHEMA_VERSION, MilestoneState
 from bilayer.runtime.version import git_commit, own_versions
 from bilayer.specimen.prestretch import StretchPair
@@ -111,6 +112,7 @@ def build_result(
             **_position_variables(surface_name(specimen), rows),
             **_measure_variables(rows),
             **_count_variables(rows),
+            **response_variables(specimen, mesh, rows),
         },
         coords=_coordinates(specimen),
         attrs={
@@ -145,7 +147,8 @@ def _measured(
 
 def _coordinates(specimen: Specimen) -> dict[str, Any]:
     pairs = np.array(specimen.prestretch.milestones)
-    note = f"stretch of the {' and the '.join(specimen.stretched_layers)} when bonded"
+    layers = " and the ".join(specimen.stretched_layers) or "layers"
+    note = f"stretch of the {layers} when bonded"
     return {
         "prestretch": (
             "prestretch",
@@ -162,6 +165,7 @@ def _coordinates(specimen: Specimen) -> dict[str, Any]:
             pairs[:, 1],
             {"units": "1", "long_name": f"{note}, along y"},
         ),
+        **load_coordinates(specimen),
         "xyz": ("xyz", ["x", "y", "z"]),
     }
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.load_variables import LOAD, REACHED, RESPONSE
 from bilayer.results.milestones import along_milestones
 from bilayer.results.netcdf import StoredGroup
 from bilayer.results.schema import (
@@ -98,6 +99,12 @@ VOLUME = ("volume_position", "volume_reference_position", "volume_cells", "layer
 """Variables of which a result has all or none."""
 
 
+def layout_of(name: str) -> Layout | None:
+    """Return the layout of a variable by its name; None of one that the project does not read."""
+    of_load = name.startswith((LOAD, RESPONSE, REACHED))
+    return LAYOUTS.get(name, Layout(NUMBER, ("prestretch",)) if of_load else None)
+
+
 def check_result(result: xr.Dataset) -> None:
     """Raise InputError unless a dataset, whole or a single milestone of one, is a result.
 
@@ -121,10 +128,11 @@ def check_scalars(stored: StoredGroup) -> None:
     check_attributes(stored.attributes)
     _check_there(stored.headers, REQUIRED["variable"], "variable")
     for name, (dims, shape, kind) in stored.headers.items():
-        if name in LAYOUTS:
-            _check_dims(name, dims, shape, LAYOUTS[name])
-            if LAYOUTS[name].kind != TEXT and 0 not in shape:
-                _check_type(name, kind, LAYOUTS[name].kind)
+        layout = layout_of(name)
+        if layout is not None:
+            _check_dims(name, dims, shape, layout)
+            if layout.kind != TEXT and 0 not in shape:
+                _check_type(name, kind, layout.kind)
     check_variables({name: entry[:2] for name, entry in stored.variables.items()})
     for name, (_, _, attributes) in stored.variables.items():
         _check_texts(attributes, ("units", "long_name"), f"{name}: ")
@@ -156,7 +164,7 @@ def check_variables(variables: Mapping[str, tuple[Iterable[Any], Array]]) -> Non
         Some or all of a result's, with the dimension `prestretch`.
     """
     for name, (dims, values) in variables.items():
-        layout = LAYOUTS.get(name)
+        layout = layout_of(name)
         if layout is not None:
             _check_dims(name, tuple(map(str, dims)), values.shape, layout)
             _check_kind(name, values, layout.kind)

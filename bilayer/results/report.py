@@ -15,6 +15,7 @@ from bilayer.results.caveats import (
     thickness_share,
 )
 from bilayer.results.effort import effort_lines
+from bilayer.results.load_variables import LOAD, RESPONSE
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import CONTACT_CROSSES, NOT_MEASURED, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
@@ -38,6 +39,7 @@ def result_table(result: xr.Dataset) -> str:
     span = result["span"].values
     columns = {
         ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
+        **load_columns(result),
         ("", "reached"): ["yes" if done else "no" for done in result["converged"].values],
         ("", "quality"): cells(result["quality"].values, "{:.3f}"),
         ("radius", "mm"): _radii(result),
@@ -56,6 +58,17 @@ def result_table(result: xr.Dataset) -> str:
     return pd.DataFrame(columns).to_string(index=False)
 
 
+def load_columns(result: xr.Dataset) -> dict[tuple[str, str], list[str]]:
+    """Return the columns of a table with the loads and what they do their work on."""
+    columns = {}
+    for load in result_specimen(result).loads:
+        for name in (f"{LOAD}{load.name}", f"{RESPONSE}{load.name}"):
+            if name in result.variables:
+                unit = result[name].attrs.get("units", "")
+                columns[load.name, unit] = cells(result[name].values, "{:.4g}")
+    return columns
+
+
 def provenance(result: xr.Dataset) -> str:
     """Return the provenance of a result: solver, specimen, mesh, settings, versions; its table."""
     result = along_milestones(result)
@@ -65,6 +78,8 @@ def provenance(result: xr.Dataset) -> str:
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
         f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
         *_layers(specimen),
+        *(f"held        {support.words}" for support in specimen.supports),
+        *(f"load        {load.words}" for load in specimen.loads),
         f"mesh        {result.sizes['node']} nodes, {result.sizes['face']} triangles",
         *_patterns_of_the_mesh(specimen, result),
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),

@@ -69,6 +69,8 @@ class MilestoneState:
         Number of unstable modes; -1 if the method cannot tell.
     measures : Measures or None
         Of the shape; None: not measured yet.
+    responses : mapping of str to float
+        What each load does its work on, by its name.
     """
 
     position: NDArray[np.float64]
@@ -81,6 +83,7 @@ class MilestoneState:
     wall_time: float = math.nan
     unstable_modes: int = UNKNOWN_STABILITY
     measures: Measures | None = None
+    responses: Mapping[str, float] = field(default_factory=dict)
 
 
 def result_specimen(result: xr.Dataset) -> Specimen:

@@ -4,6 +4,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from bilayer.specimen.load import FREE, Milestone
+from bilayer.specimen.prestretch import stretch_of
+from bilayer.specimen.specimen import Specimen
+
 
 def stretches(result: xr.Dataset) -> NDArray[np.float64]:
     """Return (lambda_x, lambda_y) of each milestone, shape (milestones, 2)."""
@@ -13,6 +17,26 @@ def stretches(result: xr.Dataset) -> NDArray[np.float64]:
 def stretch_text(pair: NDArray[np.float64] | tuple[float, float]) -> str:
     """Return a prestretch as it is given on the command line: "1.06", or "1.06,1.05"."""
     return f"{pair[0]:g}" if pair[0] == pair[1] else f"{pair[0]:g},{pair[1]:g}"
+
+
+def milestone_text(specimen: Specimen, milestone: Milestone) -> str:
+    """Return a milestone in a few words: "1.06, blow 120 Pa"."""
+    return ", ".join([stretch_text(stretch_of(milestone)), *load_words(specimen, milestone)])
+
+
+def load_words(specimen: Specimen, milestone: Milestone) -> list[str]:
+    """Return the loads at a milestone, a few words each: "blow 120 Pa", "poke free"."""
+    values = zip(specimen.loads, milestone[2:], strict=True)
+    return [
+        f"{load.name} {FREE if np.isnan(value) else f'{value:.6g} {load.unit}'}"
+        for load, value in values
+    ]
+
+
+def place_words(specimen: Specimen, milestone: Milestone) -> str:
+    """Return a place on a load path in a few words: "prestretch 1.06, blow 120 Pa"."""
+    larger = f"prestretch {max(stretch_of(milestone)):.6g}"
+    return ", ".join([larger, *load_words(specimen, milestone)])
 
 
 def cells(values: ArrayLike, pattern: str) -> list[str]:

@@ -21,6 +21,7 @@ from bilayer.errors import ComputationError
 from bilayer.measures.milestone import Measures
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
+from bilayer.specimen.load import Milestone
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
@@ -146,6 +147,14 @@ class Equilibrium(PathPoint, Protocol):
         """(lambda_x, lambda_y) of its prestretch."""
 
     @property
+    def milestone(self) -> Milestone:
+        """Its prestretch, then the value of each load."""
+
+    @property
+    def responses(self) -> Mapping[str, float]:
+        """What each load does its work on, by its name; see `bilayer.specimen.load.RESPONSES`."""
+
+    @property
     def position(self) -> Array:
         """The reference surface on the nodes of the planar mesh, m, shape (n, 3)."""
 
@@ -190,7 +199,7 @@ class Recorded:
     details: Any
 
 
-class SpecimenPath(Path[StretchPair, Equilibrium], Protocol):
+class SpecimenPath(Path[Milestone, Equilibrium], Protocol):
     """The load path of a specimen."""
 
     @property

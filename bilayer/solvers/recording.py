@@ -20,13 +20,14 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import ResumePoint, write_result
 from bilayer.results.schema import NOT_MEASURED, MilestoneState
-from bilayer.results.table import stretch_text
+from bilayer.results.table import milestone_text, place_words
 from bilayer.runtime.ranks import on_first_rank
 from bilayer.runtime.termination import signals_put_off
 from bilayer.solvers.contract import Equilibrium, Recorded, Saved, SpecimenPath, TargetMissedError
 from bilayer.solvers.path import LoadStep
 from bilayer.solvers.resuming import Unfinished
-from bilayer.specimen.prestretch import StretchPair
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import StretchPair, stretch_of
 from bilayer.specimen.specimen import Specimen
 
 MILESTONE_DIMENSION = "prestretch"
@@ -144,11 +145,13 @@ class Recorder:
             residual=point.residual,
             wall_time=step.wall_time,
             unstable_modes=point.unstable_modes,
+            responses=dict(point.responses),
         )
         details = point.details() if step.is_at_target else None
-        return _Milestone(state, Recorded(step.effort, details), _reason(step))
+        reason = _reason(step, self._specimen)
+        return _Milestone(state, Recorded(step.effort, details), reason)
 
-    def _finish(self, target: StretchPair) -> None:
+    def _finish(self, target: Milestone) -> None:
         """Measure the last milestone and write the file; on the first rank."""
         last = self._milestones[-1]
         measures = self._measured(target, last.state)
@@ -157,14 +160,16 @@ class Recorder:
         if self._output is not None:
             write_result(self.result(), self._output, self._resume_point())
 
-    def _measured(self, target: StretchPair, state: MilestoneState) -> Measures:
+    def _measured(self, target: Milestone, state: MilestoneState) -> Measures:
         """Return the measures of a shape; NaN if they fail, which is noted."""
         if not state.converged:
             return Measures.undefined()
         try:
-            return self._measure_shape(self._specimen, self._path.mesh, target, state.position)
+            stretch = stretch_of(target)
+            return self._measure_shape(self._specimen, self._path.mesh, stretch, state.position)
         except Exception as error:  # whatever it is, the shape is there and is kept
-            self._not_measured.append(f"{stretch_text(target)}: {_words(error)}")
+            where = milestone_text(self._specimen, target)
+            self._not_measured.append(f"{where}: {_words(error)}")
             return Measures.undefined()
 
     @property
@@ -216,13 +221,14 @@ def _goes_on(failure: Exception | None) -> bool:
     return failure is None or isinstance(failure, TargetMissedError)
 
 
-def _reason(step: LoadStep[Any, Equilibrium]) -> str:
+def _reason(step: LoadStep[Any, Equilibrium], specimen: Specimen) -> str:
     """Return the reason why a milestone was not reached, or an empty text."""
     if step.failure is None:
         return ""
     if isinstance(step.failure, TargetMissedError):
         return str(step.failure)
-    return f"stopped at prestretch {max(step.point.stretch):.6g}: {_words(step.failure)}"
+    where = place_words(specimen, step.point.milestone)
+    return f"stopped at {where}: {_words(step.failure)}"
 
 
 def _words(error: Exception) -> str:

@@ -13,6 +13,7 @@ from bilayer.measures.milestone import Measures
 from bilayer.measures.shape import ShapeMeasures
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.files import ResumePoint, open_result, open_resume_point
+from bilayer.results.load_variables import responses_of
 from bilayer.results.schema import (
     NOT_MEASURED,
     SAME_STRETCH,
@@ -92,6 +93,7 @@ def _state(row: xr.Dataset) -> MilestoneState:
             ),
             float(row["self_contact_gap"]),
         ),
+        responses=responses_of(row),
     )
 
 

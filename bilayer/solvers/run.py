@@ -11,6 +11,7 @@ from bilayer.errors import InputError, Interrupted, NotResumableError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance
 from bilayer.results.files import check_result_output, open_result, write_result
+from bilayer.results.table import place_words
 from bilayer.runtime.progress import Progress, never_back
 from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.termination import signals_put_off
@@ -69,8 +70,10 @@ def solve_with(
                 path.restore(earlier.point.saved)
         provenance = Provenance.found(solver.name, model, settings, path.versions)
         recorder = Recorder(specimen, path, provenance, output, earlier, measure_shape)
-        telling = [] if progress is None or not _is_first(path) else [reporter(progress)]
-        targets = specimen.prestretch.milestones
+        telling = []
+        if progress is not None and _is_first(path):
+            telling = [reporter(progress, specimen)]
+        targets = specimen.milestones
         try:
             run_path(path, targets, [recorder, *telling, *observers], first=recorder.tried)
             with signals_put_off():
@@ -100,7 +103,7 @@ def follow_with(
     model_of(solver, settings)
     path = _opened(solver, specimen, settings, mesh, start, comm, None, None)
     with closing(path):
-        for step in follow_path(path, specimen.prestretch.milestones, observers):
+        for step in follow_path(path, specimen.milestones, observers):
             if step.failure is not None:
                 raise step.failure
             yield step.point
@@ -115,11 +118,11 @@ def model_of(solver: Solver, settings: Any) -> str:
     raise InputError(f"settings = {settings!r}: expected one of {kinds}")
 
 
-def reporter(progress: Progress) -> Observer:
+def reporter(progress: Progress, specimen: Specimen) -> Observer:
     """Return an observer that tells a progress callback where the path is."""
 
     def report(step: LoadStep[Any, Any]) -> None:
-        progress(step.fraction, f"prestretch {max(step.point.stretch):.6g}")
+        progress(step.fraction, place_words(specimen, step.point.milestone))
 
     return report
 

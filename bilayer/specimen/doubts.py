@@ -16,7 +16,7 @@ def doubts(specimen: Specimen) -> list[str]:
 
 
 def _nothing_stretched(specimen: Specimen) -> list[str]:
-    if specimen.gravity or any(layer.is_stretched for layer in specimen.layers):
+    if specimen.gravity or specimen.loads or any(layer.is_stretched for layer in specimen.layers):
         return []
     return [
         "no layer has a response to the prestretch, so the sheet stays flat: expected "

@@ -19,7 +19,7 @@ from bilayer.specimen.tables import (
     as_table,
     check_keys,
     common_fields,
-    gravity_and_mesh,
+    last_tables,
     milestones_in_file,
     required,
 )
@@ -93,7 +93,7 @@ def sheet_to_tables(specimen: Specimen) -> dict[str, Any]:
             "milestones": milestones_in_file(specimen),
             "thickness": specimen.prestretch.thickness,
         },
-        **gravity_and_mesh(specimen),
+        **last_tables(specimen),
     }
     return {name: content for name, content in tables.items() if content}
 

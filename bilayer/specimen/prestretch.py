@@ -69,6 +69,11 @@ def stretch_pair(field: str, value: Any) -> StretchPair:
     return _stretch(field, value), _stretch(field, value)
 
 
+def stretch_of(milestone: tuple[float, ...]) -> StretchPair:
+    """Return the two stretches that a milestone, with or without loads, begins with."""
+    return milestone[0], milestone[1]
+
+
 def _numbers(milestones: Any) -> list[Any]:
     try:
         return listed(MILESTONES_FIELD, milestones)

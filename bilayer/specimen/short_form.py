@@ -1,6 +1,7 @@
 """The short form of a specimen file: `[cut] [substrate] [kirigami]`, the disc of two layers."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from bilayer.errors import InputError, fields_of
@@ -14,7 +15,7 @@ from bilayer.specimen.tables import (
     Tables,
     check_keys,
     common_fields,
-    gravity_and_mesh,
+    last_tables,
     milestones_in_file,
     required,
 )
@@ -35,8 +36,7 @@ def short_tables() -> dict[str, tuple[str, ...]]:
         SUBSTRATE: layer,
         KIRIGAMI_LAYER: (*layer, "side"),
         "prestretch": ("milestones", "layers", "thickness"),
-        "gravity": COMMON["gravity"],
-        "mesh": COMMON["mesh"],
+        **{table: COMMON[table] for table in ("gravity", "mesh", "supports", "loads")},
     }
 
 
@@ -54,21 +54,25 @@ def bilayer_from_tables(data: Tables) -> Specimen:
             "specimen.outline: expected together with [[layers]], of which there are none"
         )
     for table, content in data.items():
-        check_keys(table, content, known[table])
+        if known[table]:
+            check_keys(table, content, known[table])
     sheet = in_si("specimen", data.get("specimen", {}))
     with fields_of("specimen"):
         disc = Disc(required("specimen", sheet, "outer_radius"))
     kirigami = dict(data.get(KIRIGAMI_LAYER, {}))
     side = kirigami.pop("side", "above")
-    return disc_bilayer(
+    common = common_fields(data)
+    held = {key: common.pop(key) for key in ("supports", "loads")}
+    sheet_alone = disc_bilayer(
         outer_radius=disc.radius,
         cut=_cut(data["cut"], disc) if "cut" in data else None,
         substrate=_layer(SUBSTRATE, data.get(SUBSTRATE, {})),
         kirigami=_layer(KIRIGAMI_LAYER, kirigami),
         stretched=data.get("prestretch", {}).get("layers", [SUBSTRATE]),
         kirigami_side=side,
-        **common_fields(data),
+        **common,
     )
+    return replace(sheet_alone, **held)
 
 
 def bilayer_of(specimen: Specimen) -> TwoLayers | None:
@@ -100,7 +104,7 @@ def bilayer_to_tables(specimen: Specimen, bilayer: TwoLayers) -> dict[str, Any]:
             "layers": [name for name in LAYERS if name in bilayer.stretched],
             "thickness": specimen.prestretch.thickness,
         },
-        **gravity_and_mesh(specimen),
+        **last_tables(specimen),
     }
 
 

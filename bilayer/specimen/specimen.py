@@ -5,6 +5,7 @@ natural state of each layer: that is all a solver needs. Everything is in SI uni
 it is made.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,10 +16,12 @@ import shapely
 
 from bilayer.errors import InputError, fields_of
 from bilayer.specimen.layer import BondedLayer, Layer
+from bilayer.specimen.load import FREE, Load, Milestone
 from bilayer.specimen.outline import Disc, Outline
 from bilayer.specimen.pattern import kept_share
 from bilayer.specimen.prestretch import Prestretch, StretchPair
 from bilayer.specimen.reference_surface import ReferenceSurface
+from bilayer.specimen.supported import Support
 from bilayer.validation import keep, listed, nearest, not_negative, positive, text
 
 SUBSTRATE, KIRIGAMI_LAYER = "substrate", "kirigami"
@@ -73,6 +76,11 @@ class Specimen:
         Acceleration of the true weight along -z, m/s2.
     name : str
         A label for figures and files.
+    supports : sequence of Support
+        Parts that are held.
+    loads : sequence of Load
+        With a value at each milestone. If they have more values than there are prestretches, the
+        single prestretch holds at all of them.
     """
 
     outline: Outline
@@ -81,9 +89,14 @@ class Specimen:
     mesh: MeshSize = MeshSize()
     gravity: float = 0.0
     name: str = "specimen"
+    supports: tuple[Support, ...] = ()
+    loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", _checked_layers(self.layers))
+        object.__setattr__(self, "supports", tuple(self.supports))
+        object.__setattr__(self, "loads", _checked_loads(self.loads))
+        object.__setattr__(self, "prestretch", _at_every_load(self.prestretch, self.loads))
         gravity = not_negative("gravity.acceleration", self.gravity, "m/s2")
         if gravity > LARGEST_GRAVITY:
             raise InputError(
@@ -106,6 +119,26 @@ class Specimen:
         from bilayer.specimen.html import specimen_html  # few need it
 
         return specimen_html(self)
+
+    @property
+    def milestones(self) -> tuple[Milestone, ...]:
+        """The states of the path: at each the two stretches, then the value of each load."""
+        return tuple(
+            (x, y, *(load.at(number) for load in self.loads))
+            for number, (x, y) in enumerate(self.prestretch.milestones)
+        )
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether something outside holds the sheet where it is, so that its shape has a place."""
+        return self.gravity > 0 or bool(self.supports) or bool(self.loads)
+
+    @property
+    def drawn_lines(self) -> tuple[shapely.LineString, ...]:
+        """The lines of supports and loads, along which the planar mesh gets edges, m."""
+        parts = [support.part for support in self.supports] + [load.part for load in self.loads]
+        lines = (part.drawn for part in parts)
+        return tuple(line for line in lines if line is not None)
 
     @property
     def characteristic_length(self) -> float:
@@ -180,7 +213,8 @@ class Specimen:
             f"{layer.name}: {layer.pattern.identity if layer.pattern else 'whole'}"
             for layer in self.layers
         ]
-        return [self.outline.identity, *patterns, repr(self.mesh)]
+        drawn = [line.wkt for line in self.drawn_lines]
+        return [self.outline.identity, *patterns, repr(self.mesh), *drawn]
 
     def layer(self, name: str) -> Layer:
         """Return a layer by its name."""
@@ -233,8 +267,18 @@ class Specimen:
         return replace(self, layers=tuple(layers))
 
     def with_milestones(self, milestones: Sequence[float | StretchPair]) -> "Specimen":
-        """Return the same specimen with other prestretches."""
+        """Return the same specimen with other prestretches; loads keep their values."""
         return replace(self, prestretch=replace(self.prestretch, milestones=milestones))  # type: ignore[arg-type]
+
+    def at_milestone(self, milestone: Milestone) -> "Specimen":
+        """Return the same specimen with a single milestone, loads included."""
+        x, y, *values = milestone
+        loads = [
+            replace(load, values=(FREE if math.isnan(value) else value,))
+            for load, value in zip(self.loads, values, strict=True)
+        ]
+        single = replace(self.prestretch, milestones=((x, y),))
+        return replace(self, prestretch=single, loads=tuple(loads))
 
     def _thinning(self, tensor: Any) -> float:
         """Return the natural thickness over the bonded one."""
@@ -252,6 +296,41 @@ class Specimen:
         below = accumulate([bottom, *(-t for t in thickness[:number][::-1])])
         above = accumulate([top, *thickness[number + 1 :]])
         return [*[*below][::-1], *above]
+
+
+def refuse_loading(specimen: Specimen, whom: str) -> None:
+    """Raise InputError if a specimen has supports or loads, which somebody does not know."""
+    for table, parts in (("supports", specimen.supports), ("loads", specimen.loads)):
+        if parts:
+            raise InputError(f"[{table}.{parts[0].name}]: {whom} has no {table}, expected none")
+
+
+def _checked_loads(given: Any) -> tuple[Load, ...]:
+    """Return the loads, whose values are all single ones or as many as the others'."""
+    loads = tuple(given)
+    counts = {len(load.values): load for load in loads if len(load.values) > 1}
+    if len(counts) > 1:
+        (few, one), (many, other), *_ = sorted(counts.items())
+        raise InputError(
+            f"loads.{one.name}.{one.kind}: has {few} values and loads.{other.name}.{other.kind} "
+            f"{many}, expected as many, or a single one"
+        )
+    return loads
+
+
+def _at_every_load(prestretch: Prestretch, loads: Sequence[Load]) -> Prestretch:
+    """Return a prestretch with a milestone for each value of the loads."""
+    count = max((len(load.values) for load in loads), default=1)
+    given = len(prestretch.milestones)
+    if count in (1, given):
+        return prestretch
+    if given != 1:
+        load = next(load for load in loads if len(load.values) == count)
+        raise InputError(
+            f"prestretch.milestones: has {given} values and loads.{load.name}.{load.kind} {count}, "
+            "expected as many, or a single one"
+        )
+    return replace(prestretch, milestones=prestretch.milestones * count)
 
 
 def _checked_layers(layers: Any) -> tuple[Layer, ...]:

@@ -6,6 +6,8 @@ carry the body, and their place matters. A body with weight is held at its centr
 nodes nearest to it, as if clamped there. No part far from the centre is then lifted, and the
 tangent plane of the centre stays level, to the accuracy of the mesh. A sheet with a hole in its
 middle is held at the edge of the hole.
+
+Where supports hold a part of the sheet, only what is left of the rigid motion is removed so.
 """
 
 import numpy as np
@@ -14,14 +16,74 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 Place = tuple[float, float] | Array
 
 HeldNodes = tuple[int, int, int]
 """The one held in x, y and z, the one along x from it held in y and z, and the one held in z."""
 
+RANK = 1e-6
+"""Of coordinates in extents of the sheet: what moves less by a rigid motion does not remove it."""
 LEAST_SINE = 0.3
 """Of the angle between the arms to the two other nodes, and of the first arm with the y axis."""
 ORIGIN: Place = (0.0, 0.0)
+
+
+def pins_besides(points: Array, held: Numbers, clamped: Numbers, nodes: HeldNodes) -> Numbers:
+    """Return which of the six coordinates of held nodes are held besides the supports.
+
+    Parameters
+    ----------
+    points : (n, 2) array of float
+        Nodes of the flat state, m.
+    held : (k, 2) array of int
+        Node and axis of each coordinate that supports hold.
+    clamped : (c, 2) array of int
+        Ends of the edges about which the sheet cannot turn.
+    nodes : (int, int, int)
+        The three nodes.
+
+    Returns
+    -------
+    (m, 2) array of int
+        Node and axis: each takes away a rigid motion that all before it leave.
+    """
+    a, b, c = nodes
+    pins = np.array([(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)])
+    places = (points - points.mean(axis=0)) / np.ptp(points)
+    rows = [*_rigid_rows(places, held), *_turning_rows(places, clamped)]
+    needed = []
+    for pin, row in zip(pins, _rigid_rows(places, pins), strict=True):
+        if np.linalg.matrix_rank([*rows, row], tol=RANK) > _rank(rows):
+            needed.append(pin)
+            rows.append(row)
+    return np.array(needed, dtype=np.int64).reshape(-1, 2)
+
+
+def _rank(rows: list[Array]) -> int:
+    return int(np.linalg.matrix_rank(rows, tol=RANK)) if rows else 0
+
+
+def _rigid_rows(places: Array, held: Numbers) -> Array:
+    """Return how each coordinate changes with the six rigid motions of the flat sheet, (k, 6)."""
+    x, y = places[held[:, 0]].T
+    none, one = np.zeros_like(x), np.ones_like(x)
+    by_axis = np.array(
+        [
+            [one, none, none, none, none, -y],
+            [none, one, none, none, none, x],
+            [none, none, one, y, -x, none],
+        ]
+    )
+    return np.asarray(by_axis[held[:, 1], :, np.arange(len(held))])
+
+
+def _turning_rows(places: Array, edges: Numbers) -> Array:
+    """Return how far the sheet turns about edges with the six rigid motions, (c, 6)."""
+    along = places[edges[:, 1]] - places[edges[:, 0]]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    none = np.zeros((len(edges), 1))
+    return np.hstack([none, none, none, along, none])
 
 
 def choose_held_nodes(points: Array, gravity: float, centre: Place = ORIGIN) -> HeldNodes:

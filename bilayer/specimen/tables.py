@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from bilayer.errors import InputError
+from bilayer.specimen.loading_tables import loads_from, loads_to, supports_from, supports_to
 from bilayer.specimen.prestretch import Prestretch
 from bilayer.specimen.specimen import MeshSize, Specimen
 from bilayer.specimen.units import in_si
@@ -16,8 +17,10 @@ COMMON: dict[str, tuple[str, ...]] = {
     "prestretch": ("milestones", "thickness"),
     "gravity": ("acceleration",),
     "mesh": ("size", "corner_size"),
+    "supports": (),
+    "loads": (),
 }
-"""Tables that are the same in both forms, each with its keys."""
+"""Tables that are the same in both forms, each with its keys; those without hold tables."""
 
 
 def check_keys(table: str, content: Iterable[str], known: Iterable[str]) -> None:
@@ -50,10 +53,20 @@ def common_fields(data: Tables) -> dict[str, Any]:
     gravity = in_si("gravity", data.get("gravity", {}))
     return {
         "name": data.get("specimen", {}).get("name", "specimen"),
-        "prestretch": Prestretch(required("prestretch", path, "milestones"), **rule),
+        "prestretch": Prestretch(_stretches(data), **rule),
         "gravity": gravity.get("acceleration", 0.0),
         "mesh": MeshSize(**in_si("mesh", data.get("mesh", {}))),
+        "supports": supports_from(data.get("supports", {})),
+        "loads": loads_from(data.get("loads", {})),
     }
+
+
+def _stretches(data: Tables) -> Any:
+    """Return the prestretches of a file; a sheet under loads may have none."""
+    path = data.get("prestretch", {})
+    if "milestones" not in path and data.get("loads"):
+        return [1.0]
+    return required("prestretch", path, "milestones")
 
 
 def milestones_in_file(specimen: Specimen) -> list[Any]:
@@ -61,10 +74,12 @@ def milestones_in_file(specimen: Specimen) -> list[Any]:
     return [x if x == y else [x, y] for x, y in specimen.prestretch.milestones]
 
 
-def gravity_and_mesh(specimen: Specimen) -> dict[str, Any]:
-    """Return the last two tables of a file."""
+def last_tables(specimen: Specimen) -> dict[str, Any]:
+    """Return the tables of a file after those of the layers and the prestretch."""
     size = {key: getattr(specimen.mesh, key) for key in COMMON["mesh"]}
+    held = {"supports": supports_to(specimen.supports), "loads": loads_to(specimen.loads)}
     return {
+        **{table: content for table, content in held.items() if content},
         "gravity": {"acceleration": specimen.gravity},
         "mesh": {key: value for key, value in size.items() if value is not None},
     }

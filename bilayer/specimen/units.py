@@ -33,6 +33,9 @@ _KINDS = {
     "1/Pa": ("a compressibility", "1e-5 1/Pa"),
     "kg/m^3": ("a density", "0.96 g/cm^3"),
     "m/s^2": ("an acceleration", "9.81 m/s^2"),
+    "N": ("a force", "20 mN"),
+    "N/m": ("a force per length", "1 N/m"),
+    "N/m^3": ("a force per volume", "9.4 kN/m^3"),
 }
 
 

@@ -14,6 +14,9 @@ of area A is
 That is Morley's triangle (1968) for small deflections: constant curvature is exact on any mesh.
 With the constant strain of the membrane, a laminate gives the energy of each face.
 
+About a clamped edge the shell cannot turn. Beyond it lies, for each of its faces, a fixed flat
+triangle. The angle to that is the whole turn, a_i = t_i, and nothing is shared out.
+
 The energy of a face needs six nodes, its corners and the apexes beyond its edges, and three edges.
 The angle across an edge serves both of its faces, so it is computed once, and so is its second
 derivative, times the moment of both.
@@ -36,6 +39,9 @@ from dshell.energies.whole_turns import turns_in
 
 Array = NDArray[np.float64]
 
+NO_EDGES = np.empty((0, 2), dtype=np.int64)
+FAR_BEYOND = 10.0
+"""Distance of a fixed node from its clamped edge, over the length of that."""
 _FOLDS = ((1, 2, 0, 3), (2, 0, 1, 4), (0, 1, 2, 5))
 """The hinge over each edge, among the face's six nodes: its corners and the apexes beyond them.
 
@@ -56,21 +62,40 @@ class MorleyFaces:
         Counterclockwise.
     laminate : Laminate
         What the faces are made of.
+    clamped : (c, 2) array of int, optional
+        The clamped edges, as ascending pairs of nodes.
+
+    Attributes
+    ----------
+    beyond : (k, 2) array of float
+        Flat places of the fixed nodes beyond clamped edges, m. They are numbered after all others.
+    idle_dofs : array of int
+        Displacements of clamped edges, which have no part in the energy.
     """
 
     name: ClassVar[str] = "elastic"
 
-    def __init__(self, points: Array, triangles: NDArray[np.int64], laminate: Laminate) -> None:
+    def __init__(
+        self,
+        points: Array,
+        triangles: NDArray[np.int64],
+        laminate: Laminate,
+        clamped: NDArray[np.int64] = NO_EDGES,
+    ) -> None:
         around = FaceNeighbours.of(triangles)
+        sides = _sides_at(triangles, clamped)
+        around = around.cut_at(sides, first=len(points))
         self.laminate = laminate
         self.edge_count = around.edge_count
         self.flat = FlatTriangles(points[triangles])
-        self.turn_factors = 0.5 * self.flat.lengths**2 * around.shared.T
-        self.shares = around.side.T
+        self.beyond = _places_beyond(points[triangles], self.flat, sides)
+        self.turn_factors = (0.5 + 0.5 * sides.T) * self.flat.lengths**2 * around.shared.T
+        self.shares = np.where(sides.T, 0.0, around.side.T)
         x, y = self.flat.outward
         self.bending = np.stack([x * x, y * y, 2 * x * y]) / self.flat.areas
         self._nodes = np.column_stack([triangles, around.apexes])
-        self.edge_dofs = 3 * len(points) + around.edges.T
+        self.edge_dofs = 3 * (len(points) + len(self.beyond)) + around.edges.T
+        self.idle_dofs = np.unique(self.edge_dofs[sides.T])
         """Displacements of the faces' edges in the state, (3, m)."""
         self._find_folds()
 
@@ -244,6 +269,20 @@ class BentFaces:
         for first in range(0, _POSITIONS, 6):
             corners = slice(first, first + 3)
             hessian[:, corners, corners] += pairs
+
+
+def _sides_at(triangles: NDArray[np.int64], edges: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which edges of triangles, each opposite to a corner, are some edges, (m, 3)."""
+    ends = np.sort(np.stack([triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]], axis=2), axis=2)
+    key = np.array([triangles.max() + 1, 1])
+    return np.isin(ends @ key, edges @ key)
+
+
+def _places_beyond(corners: Array, flat: FlatTriangles, sides: NDArray[np.bool_]) -> Array:
+    """Return a place beyond each of some edges of triangles, far enough for an edge that slides."""
+    middles = (np.roll(corners, -1, axis=1) + np.roll(corners, -2, axis=1)) / 2
+    outward = (flat.outward * FAR_BEYOND * flat.lengths).transpose(2, 1, 0)
+    return np.asarray((middles + outward)[sides])
 
 
 def _clip_eigenvalues(matrices: Array) -> Array:

@@ -9,7 +9,7 @@ A hinge is an edge with a triangle on either side. Its four nodes are numbered
           3
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +96,30 @@ class FaceNeighbours:
     side: NDArray[np.float64]
     shared: NDArray[np.bool_]
     apexes: NDArray[np.int64]
+
+    def cut_at(self, sides: NDArray[np.bool_], first: int) -> "FaceNeighbours":
+        """Return the neighbours where some triangles have a fixed node of their own beyond an edge.
+
+        Parameters
+        ----------
+        sides : (m, 3) array of bool
+            The edges of the triangles where that is so. One that is inside becomes two edges.
+        first : int
+            Number of the first of these nodes; they come triangle by triangle.
+        """
+        edges, apexes = self.edges.copy(), self.apexes.copy()
+        count = int(sides.sum())
+        apexes[sides] = first + np.arange(count)
+        second = sides & (self.side < 0)
+        edges[second] = self.edge_count + np.arange(second.sum())
+        return replace(
+            self,
+            edge_count=self.edge_count + int(second.sum()),
+            edges=edges,
+            side=np.where(sides, 1.0, self.side),
+            shared=self.shared | sides,
+            apexes=apexes,
+        )
 
     @classmethod
     def of(cls, triangles: NDArray[np.int64]) -> "FaceNeighbours":

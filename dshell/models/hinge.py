@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, total_energies
@@ -27,11 +28,24 @@ class HingeModel:
     ----------
     specimen, mesh
         What is released, on which planar mesh.
+
+    Raises
+    ------
+    InputError
+        A support keeps the slope of the sheet.
     """
 
     extra_dofs = 0
+    extra_flat: Array = np.empty(0)
+    fixed_dofs: NDArray[np.int64] = np.empty(0, dtype=np.int64)
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh) -> None:
+        for support in specimen.supports:
+            if support.keeps_slope:
+                raise InputError(
+                    f"supports.{support.name}.kind = {support.kind!r}: the model hinge keeps no "
+                    "slope, expected 'hinged', or the model morley"
+                )
         self._specimen, self._mesh = specimen, mesh
         self.fold_count = len(Topology.of(mesh.triangles).hinges)
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.mesh.bonding import check_no_gap
+from bilayer.mesh.parts import clamped_edges
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.morley_faces import MorleyFaces
@@ -39,8 +40,13 @@ class MorleyModel:
         check_no_gap(specimen, mesh)
         self._specimen, self._mesh = specimen, mesh
         self._quadratic = PROFILES[settings.profile]
-        faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)))
-        self.extra_dofs = self.fold_count = faces.edge_count
+        clamped = clamped_edges(specimen, mesh)
+        faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)), clamped)
+        beyond = np.pad(faces.beyond, ((0, 0), (0, 1))).reshape(-1)
+        self.extra_flat = np.concatenate([beyond, np.zeros(faces.edge_count)])
+        self.extra_dofs, self.fold_count = len(self.extra_flat), faces.edge_count
+        fixed = 3 * len(mesh.points) + np.arange(len(beyond))
+        self.fixed_dofs = np.concatenate([fixed, faces.idle_dofs])
         starts = range(0, len(mesh.triangles), FACES_IN_A_BLOCK)
         blocks = [slice(start, start + FACES_IN_A_BLOCK) for start in starts]
         self._blocks = [(block, faces.part(block)) for block in blocks]

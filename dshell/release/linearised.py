@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from bilayer.geometry.alignment import align_gradient
 from bilayer.mesh.planar import flat_surface
 from bilayer.solvers.parameters import difference_by
-from bilayer.specimen.prestretch import StretchPair
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import StretchPair, stretch_of
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Assembly
 from dshell.models.reference_surface import reference_surface_gradient
@@ -35,18 +36,18 @@ class LinearisedShell:
         The specimen.
     assembly : Assembly
         Of its energies.
-    stretch : (float, float)
-        The prestretch.
+    milestone : tuple of float
+        The prestretch and the loads.
     state : (dofs,) array of float
         The equilibrium, m.
     """
 
     def __init__(
-        self, shell: SpecimenShell, assembly: Assembly, stretch: StretchPair, state: Array
+        self, shell: SpecimenShell, assembly: Assembly, milestone: Milestone, state: Array
     ) -> None:
-        self._shell, self._stretch, self._state = shell, stretch, state
+        self._shell, self._milestone, self._state = shell, milestone, state
         self._free = assembly.free
-        self._factor = _factor_of(Configuration(shell.body(stretch), state, assembly))
+        self._factor = _factor_of(Configuration(shell.body(milestone), state, assembly))
 
     def solve(self, right_side: Array) -> Array:
         """Return the solution of stiffness x = right side, m; 0 where the shell is held."""
@@ -57,28 +58,28 @@ class LinearisedShell:
     def residual_by(self, parameter: str) -> Array:
         """Return the derivative of the residual force by a parameter, (dofs,)."""
         return self._difference(
-            lambda shell, stretch: shell.forces(stretch, self._state), parameter
+            lambda shell, milestone: shell.forces(milestone, self._state), parameter
         )
 
     def position_by(self, parameter: str) -> Array:
         """Return the derivative of the position by a parameter, the state fixed, (n, 3)."""
         return self._difference(
-            lambda shell, stretch: shell.position(stretch, self._state), parameter
+            lambda shell, milestone: shell.position(milestone, self._state), parameter
         )
 
     def state_gradient(self, position_gradient: Array) -> Array:
         """Return the gradient by the state of a function of the position, (dofs,)."""
-        shell, stretch = self._shell, self._stretch
+        shell, milestone = self._shell, self._milestone
         mesh, gradient = shell.mesh, position_gradient
-        if shell.specimen.gravity == 0:
+        if not shell.specimen.is_placed:
             flat = flat_surface(mesh)
-            shape = shell.reference_surface(stretch, self._state)
+            shape = shell.reference_surface(milestone, self._state)
             gradient = align_gradient(shape, flat.points, flat.node_areas, gradient)
         by_surface = reference_surface_gradient(
             shell.surface(self._state),
             mesh.triangles,
             mesh.areas,
-            shell.model.reference_height(stretch),
+            shell.model.reference_height(stretch_of(milestone)),
             gradient,
         )
         by_state = np.zeros_like(self._state)
@@ -93,18 +94,20 @@ class LinearisedShell:
             return np.zeros_like(self._shell.surface(self._state))
         step = SMALL_CHANGE * np.abs(self._state).max() / length
         ahead, behind = (
-            self._shell.position(self._stretch, self._state + sign * step * state_change)
+            self._shell.position(self._milestone, self._state + sign * step * state_change)
             for sign in (1.0, -1.0)
         )
         return np.asarray((ahead - behind) / (2 * step))
 
     def _difference(
-        self, value: Callable[[SpecimenShell, StretchPair], Array], parameter: str
+        self, value: Callable[[SpecimenShell, Milestone], Array], parameter: str
     ) -> Array:
-        def of(specimen: Specimen, stretch: StretchPair) -> Array:
-            return value(self._shell.of(specimen), stretch)
+        stretch, loads = stretch_of(self._milestone), self._milestone[2:]
 
-        return difference_by(of, self._shell.specimen, self._stretch, parameter)
+        def of(specimen: Specimen, stretch: StretchPair) -> Array:
+            return value(self._shell.of(specimen), (*stretch, *loads))
+
+        return difference_by(of, self._shell.specimen, stretch, parameter)
 
 
 def _factor_of(here: Configuration) -> Factor:

@@ -21,7 +21,8 @@ from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.solvers.recording import leave_unmeasured
 from bilayer.solvers.run import solve_with
-from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import UNSTRETCHED, stretch_of
 from bilayer.specimen.specimen import Specimen
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
@@ -63,10 +64,10 @@ class CoarseStart:
         specimen: Specimen,
         mesh: PlanarMesh,
         settings: ReleaseSettings,
-        target: StretchPair,
+        target: Milestone,
     ) -> Beginning:
         """Return the shape on a coarse mesh, or none, that leads to the first target."""
-        coarse = self._result(specimen.with_milestones([target]), mesh, settings)
+        coarse = self._result(specimen.at_milestone(target), mesh, settings)
         if coarse is None:
             return Beginning(None, FLAT_START)
         if not coarse["converged"].all():
@@ -141,7 +142,7 @@ def _shell_path(
         settings.ramp,
         settings.smallest_step,
     )
-    path: StaticPath[StretchPair]
+    path: StaticPath[Milestone]
     if settings.method == "dynamic":
         motion = MotionLimits(settings.total_time, settings.time_step, settings.damping_rate)
         path = DynamicPath(shell, motion, limits, solver, branch)
@@ -157,9 +158,9 @@ def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
     return partial(HingeModel, mesh=mesh)
 
 
-def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: StretchPair) -> Beginning:
+def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: Milestone) -> Beginning:
     """Return the shape of another result that leads to the first target."""
-    return Beginning(starting_shape(start, mesh, target), describe_start(start))
+    return Beginning(starting_shape(start, mesh, stretch_of(target)), describe_start(start))
 
 
 def _led_all_the_way(neighbour: xr.Dataset, mesh: PlanarMesh) -> list[Begin]:
@@ -169,5 +170,5 @@ def _led_all_the_way(neighbour: xr.Dataset, mesh: PlanarMesh) -> list[Begin]:
     return [partial(_led_to, shape, text) for shape in neighbour["position"].values]
 
 
-def _led_to(shape: Array, text: str, target: StretchPair) -> Beginning:
+def _led_to(shape: Array, text: str, target: Milestone) -> Beginning:
     return Beginning(shape, text)

@@ -18,8 +18,9 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import UNKNOWN_STABILITY
 from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedError
-from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
-from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_of
+from bilayer.specimen.specimen import Specimen, refuse_loading
 from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
 from dshell.models.masses import lumped_masses
@@ -75,6 +76,16 @@ class PaperShape:
     def stretch(self) -> StretchPair:
         """Prestretch that the natural lengths and angles have grown to."""
         return between(UNSTRETCHED, self.run.stretch, self.share)
+
+    @property
+    def milestone(self) -> Milestone:
+        """The same: this model has no loads."""
+        return self.stretch
+
+    @property
+    def responses(self) -> Mapping[str, float]:
+        """Return none."""
+        return {}
 
     @property
     def position(self) -> Array:
@@ -143,7 +154,7 @@ class PaperPath:
         self._ruled = replace(specimen, prestretch=ruled)
         self._here: PaperShape | None = None
 
-    def approach(self, target: StretchPair) -> Iterator[PaperShape]:
+    def approach(self, target: Milestone) -> Iterator[PaperShape]:
         """Run from flat to the end of the ramp of a prestretch.
 
         Yields
@@ -156,7 +167,7 @@ class PaperPath:
         TargetMissedError
             A time step does not converge: the last shape is where the run stopped.
         """
-        run = self._run_to(target)
+        run = self._run_to(stretch_of(target))
         flat = flat_start(run.mesh, run.thickness)
         self._here = PaperShape(run, flat)
         try:
@@ -252,6 +263,7 @@ def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
 
 
 def _check_input(specimen: Specimen) -> None:
+    refuse_loading(specimen, "the paper's model")
     if specimen.gravity > 0:
         raise InputError(
             f"gravity.acceleration = {specimen.gravity} m/s2: the paper's model ends without "

@@ -30,7 +30,7 @@ def choose_far_nodes(mesh: PlanarMesh) -> HeldNodes:
 
 def choose_held_nodes(specimen: Specimen, mesh: PlanarMesh) -> HeldNodes:
     """Return the nodes where a specimen is held: see `bilayer.specimen.support`."""
-    if specimen.gravity:
+    if specimen.is_placed:
         return choose_nodes_at_centre(mesh.points, mesh.centroid)
     return choose_far_nodes(mesh)
 

@@ -21,7 +21,8 @@ from bilayer.measures.milestone import Measures, measure
 from bilayer.results.contact_variables import contact_dataset
 from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
-from bilayer.specimen.prestretch import StretchPair
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_of
 from dshell.release.effort import ShellEffort
 from dshell.release.linearised import LinearisedShell
 from dshell.release.specimen_shell import SpecimenShell
@@ -52,8 +53,8 @@ class Beginning:
     text: str
 
 
-Begin = Callable[[StretchPair], Beginning]
-"""Returns how a path begins whose first target is a prestretch."""
+Begin = Callable[[Milestone], Beginning]
+"""Returns how a path begins, given its first target."""
 
 
 class ShellEquilibrium:
@@ -75,7 +76,7 @@ class ShellEquilibrium:
         self,
         shell: SpecimenShell,
         solver: EquilibriumSolver,
-        found: ShellState[StretchPair],
+        found: ShellState[Milestone],
         start: str,
     ) -> None:
         self._shell, self._solver, self._found, self._start = shell, solver, found, start
@@ -93,7 +94,17 @@ class ShellEquilibrium:
     @property
     def stretch(self) -> StretchPair:
         """Its prestretch."""
+        return stretch_of(self._found.load)
+
+    @property
+    def milestone(self) -> Milestone:
+        """Its prestretch and loads."""
         return self._found.load
+
+    @property
+    def responses(self) -> Mapping[str, float]:
+        """What each load does its work on, by its name."""
+        return self._shell.loading.responses(self.milestone, self.state)
 
     @property
     def state(self) -> Array:
@@ -103,7 +114,7 @@ class ShellEquilibrium:
     @cached_property
     def position(self) -> Array:
         """The reference surface, m, shape (n, 3)."""
-        return self._shell.position(self.stretch, self.state)
+        return self._shell.position(self.milestone, self.state)
 
     @property
     def energy(self) -> Mapping[str, float]:
@@ -122,7 +133,7 @@ class ShellEquilibrium:
         """Number of unstable modes, counted now if nobody has."""
         if self._found.unstable_modes is not None:
             return self._found.unstable_modes
-        return self._solver.unstable_modes(self._shell.body(self.stretch), self.state)
+        return self._solver.unstable_modes(self._shell.body(self.milestone), self.state)
 
     def measures(self) -> Measures:
         """Return the measures of the shape."""
@@ -139,7 +150,7 @@ class ShellEquilibrium:
         """Return the state, and how the path began."""
         modes = self._found.unstable_modes
         return {
-            "stretch": np.array(self.stretch),
+            "stretch": np.array(self.milestone),
             "state": self.state,
             "residual": np.array(self.residual),
             "unstable_modes": np.array(NOT_COUNTED if modes is None else modes),
@@ -148,7 +159,7 @@ class ShellEquilibrium:
 
     def linearised(self) -> LinearisedShell:
         """Return the equations linearised here, the stiffness factorised."""
-        return LinearisedShell(self._shell, self._solver.assembly, self.stretch, self.state)
+        return LinearisedShell(self._shell, self._solver.assembly, self.milestone, self.state)
 
 
 class ShellPath:
@@ -161,7 +172,7 @@ class ShellPath:
     solver : EquilibriumSolver
         Of the shell.
     path : StaticPath
-        How it goes from prestretch to prestretch.
+        How it goes from milestone to milestone.
     begins : sequence of callable
         The first takes the first target and returns the `Beginning`; called when the path is asked
         for it. Further ones do the same for further targets: their shapes lead to them, and not the
@@ -174,7 +185,7 @@ class ShellPath:
         self,
         shell: SpecimenShell,
         solver: EquilibriumSolver,
-        path: StaticPath[StretchPair],
+        path: StaticPath[Milestone],
         begins: Sequence[Begin],
     ) -> None:
         self.mesh = shell.mesh
@@ -183,17 +194,17 @@ class ShellPath:
         self._is_begun = False
         self.start = FLAT_START
         self.versions = VERSIONS
-        if shell.contact(shell.unloaded) is not None:
+        if shell.contact(UNSTRETCHED) is not None:
             self.versions = VERSIONS | {CONTACT_PACKAGE: version(CONTACT_PACKAGE)}
 
-    def approach(self, target: StretchPair) -> Iterator[ShellEquilibrium]:
-        """Go to a prestretch; see `Path`."""
+    def approach(self, target: Milestone) -> Iterator[ShellEquilibrium]:
+        """Go to a milestone; see `Path`."""
         if self._begins:
             self._begin_with(self._begins.pop(0)(target), target)
         for found in self._path.approach(target):
             yield self._equilibrium(found)
 
-    def _begin_with(self, beginning: Beginning, target: StretchPair) -> None:
+    def _begin_with(self, beginning: Beginning, target: Milestone) -> None:
         """Go to the equilibrium near a shape, or stay where the path is: flat, at first."""
         first, self._is_begun = not self._is_begun, True
         if first:
@@ -208,12 +219,16 @@ class ShellPath:
         """Return the last state; see `Path`."""
         return self._equilibrium(self._path.stopped())
 
-    def _equilibrium(self, found: ShellState[StretchPair]) -> ShellEquilibrium:
+    def _equilibrium(self, found: ShellState[Milestone]) -> ShellEquilibrium:
         return ShellEquilibrium(self._shell, self._solver, found, self.start)
 
     def restore(self, saved: Saved) -> None:
         """Be in a state that was saved."""
-        x, y = saved["stretch"]
+        milestone = tuple(float(value) for value in saved["stretch"])
+        if len(milestone) != len(self._shell.unloaded):
+            raise InputError(
+                f"resume: stretch has {len(milestone)} values, expected {len(self._shell.unloaded)}"
+            )
         modes = int(saved["unstable_modes"])
         state = np.asarray(saved["state"], dtype=np.float64)
         whole = np.zeros_like(self._path.stopped().state)
@@ -223,7 +238,7 @@ class ShellPath:
         whole[: len(state)] = state
         self._path.move_to(
             ShellState(
-                (float(x), float(y)),
+                milestone,
                 whole,
                 float(saved["residual"]),
                 None if modes == NOT_COUNTED else modes,
@@ -233,7 +248,7 @@ class ShellPath:
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the contact by milestone; an empty dataset if contact is not modelled."""
-        if self._shell.contact(self._shell.unloaded) is None:
+        if self._shell.contact(UNSTRETCHED) is None:
             return xr.Dataset()
         touching = [None if tried is None else tried.details for tried in milestones]
         count = len(self._shell.specimen.prestretch.milestones)

@@ -1,6 +1,6 @@
 """A specimen as a shell under loads: what its load path needs to know of it, and no more.
 
-The load is the prestretch (lambda_x, lambda_y).
+The load is a milestone: the prestretch (lambda_x, lambda_y), then the value of each load.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,14 +15,19 @@ from bilayer.contact.barrier import Barrier
 from bilayer.contact.skin import BondedBody
 from bilayer.contact.skin_map import SkinMap
 from bilayer.geometry.alignment import align, move_onto_held_points
+from bilayer.mesh.parts import clamped_edges, supported_coordinates
 from bilayer.mesh.planar import PlanarMesh, flat_surface
-from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair
+from bilayer.results.table import milestone_text
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_of
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.support import pins_besides
 from dshell.energies.assembly import Energy, deform, gradient_of
 from dshell.energies.skin_contact import SkinContact
 from dshell.models.masses import lumped_masses
 from dshell.models.reference_surface import reference_surface_over
-from dshell.release.rigid_motion import choose_held_nodes, held_coordinates
+from dshell.release.loading import ShellLoading, unloaded
+from dshell.release.rigid_motion import choose_held_nodes
 from dshell.solve.newton import Body
 
 Array = NDArray[np.float64]
@@ -56,6 +61,10 @@ class ShellModel(Protocol):
 
     extra_dofs: int
     """Degrees of freedom behind the nodes' coordinates."""
+    extra_flat: Array
+    """Their values in the flat state, m, shape (extra_dofs,)."""
+    fixed_dofs: NDArray[np.int64]
+    """Those that never change, by their places in the state."""
     fold_count: int
     """Folds whose whole turns stand behind these; see `dshell.energies.whole_turns`."""
 
@@ -82,8 +91,6 @@ class SpecimenShell:
         Norm of the residual force at an equilibrium, over that of the flat state.
     """
 
-    unloaded = UNSTRETCHED
-
     def __init__(
         self,
         specimen: Specimen,
@@ -97,6 +104,8 @@ class SpecimenShell:
         self._contact_limits = contact
         self._contact_at: tuple[StretchPair, SkinContact] | None = None
         self._held_nodes = choose_held_nodes(specimen, mesh)
+        self.unloaded = unloaded(specimen)
+        self.loading = ShellLoading(specimen, mesh)
 
     @cached_property
     def model(self) -> ShellModel:
@@ -105,10 +114,21 @@ class SpecimenShell:
 
     @cached_property
     def held(self) -> NDArray[np.int64]:
-        """Entries of the state that are no unknowns: held coordinates, and whole turns of folds."""
+        """Entries of the state that are no unknowns.
+
+        Held coordinates, what the model never changes, and whole turns of folds.
+        """
         first_turn = 3 * len(self.mesh.points) + self.model.extra_dofs
         turns = first_turn + np.arange(self.model.fold_count)
-        return np.concatenate([held_coordinates(self._held_nodes), turns])
+        return np.concatenate([self._held_coordinates, self.model.fixed_dofs, turns])
+
+    @cached_property
+    def _held_coordinates(self) -> NDArray[np.int64]:
+        """Coordinates that supports hold, and the pins that are needed besides."""
+        held = supported_coordinates(self.specimen, self.mesh)
+        clamped = clamped_edges(self.specimen, self.mesh)
+        pins = pins_besides(self.mesh.points, held, clamped, self._held_nodes)
+        return np.concatenate([held, pins]) @ np.array([3, 1])
 
     @property
     def least_force(self) -> float:
@@ -132,16 +152,29 @@ class SpecimenShell:
             other.model = self.model
         return other
 
-    def flat(self, stretch: StretchPair) -> Array:
+    def way(self, start: Milestone, end: Milestone) -> float:
+        """Return the larger change of the two stretches between two milestones."""
+        pairs = zip(stretch_of(start), stretch_of(end), strict=True)
+        return max(abs(after - before) for before, after in pairs)
+
+    def name_of(self, milestone: Milestone) -> str:
+        """Return a milestone in a few words."""
+        return milestone_text(self.specimen, milestone)
+
+    def flat(self, milestone: Milestone) -> Array:
         """Return the flat bonded state, the model's surface at z = 0."""
         return self._state_of(np.column_stack([self.mesh.points, np.zeros(len(self.mesh.points))]))
 
-    def body(self, stretch: StretchPair) -> Body:
-        """Return the shell at a prestretch, with its weight."""
+    def body(self, milestone: Milestone) -> Body:
+        """Return the shell at a milestone, under its weight and loads."""
+        stretch = stretch_of(milestone)
         masses = lumped_masses(self.specimen, self.mesh, stretch)
-        load = np.zeros((len(masses), 3))
-        load[:, 2] = -self.specimen.gravity * masses
-        return Body(self.model.energies(stretch), self._state_of(load), self.contact(stretch))
+        load = self.loading.forces(milestone)
+        load[:, 2] -= self.specimen.gravity * masses
+        energies = [*self.model.energies(stretch), *self.loading.energies(milestone)]
+        rest = np.zeros(self.model.extra_dofs + self.model.fold_count)
+        dead = np.concatenate([load.reshape(-1), rest])
+        return Body(energies, dead, self.contact(stretch))
 
     def contact(self, stretch: StretchPair) -> SkinContact | None:
         """Return the contact of the sheet with itself at a prestretch, None if it has none."""
@@ -155,7 +188,7 @@ class SpecimenShell:
 
     @cached_property
     def _skin(self) -> SkinMap:
-        return SkinMap.of(self._bonded_body(self.unloaded))
+        return SkinMap.of(self._bonded_body(UNSTRETCHED))
 
     @cached_property
     def _barrier(self) -> Barrier:
@@ -180,14 +213,14 @@ class SpecimenShell:
         ]
         return replace(body, sheets=sheets)
 
-    def masses(self, stretch: StretchPair) -> Array:
+    def masses(self, milestone: Milestone) -> Array:
         """Return the mass behind each degree of freedom, kg; 0 behind those that are no nodes'."""
-        masses = np.repeat(lumped_masses(self.specimen, self.mesh, stretch), 3)
+        masses = np.repeat(lumped_masses(self.specimen, self.mesh, stretch_of(milestone)), 3)
         return np.concatenate([masses, np.zeros(self.model.extra_dofs + self.model.fold_count)])
 
-    def forces(self, stretch: StretchPair, state: Array) -> Array:
+    def forces(self, milestone: Milestone, state: Array) -> Array:
         """Return the residual force on every degree of freedom, N; 0 on those that are held."""
-        body = self.body(stretch)
+        body = self.body(milestone)
         forces = gradient_of(deform(body.energies, state)) - body.load
         if body.contact is not None:
             forces += body.contact.at(state).gradient
@@ -198,31 +231,38 @@ class SpecimenShell:
         """Return the nodes of the model's surface, m, shape (n, 3)."""
         return state[: 3 * len(self.mesh.points)].reshape(-1, 3)
 
-    def reference_surface(self, stretch: StretchPair, state: Array) -> Array:
+    def reference_surface(self, milestone: Milestone, state: Array) -> Array:
         """Return the reference surface where the nodes are held, m, shape (n, 3)."""
-        mesh, height = self.mesh, self.model.reference_height(stretch)
+        mesh, height = self.mesh, self.model.reference_height(stretch_of(milestone))
         return reference_surface_over(self.surface(state), mesh.triangles, mesh.areas, height)
 
-    def position(self, stretch: StretchPair, state: Array) -> Array:
+    def position(self, milestone: Milestone, state: Array) -> Array:
         """Return the reference surface as a result has it, m, shape (n, 3).
 
-        A shape without weight has no orientation of its own: it is turned to lie on the flat sheet
-        as well as it can, and not as the held nodes happen to tilt it.
+        A shape that nothing outside holds has no orientation of its own: it is turned to lie on the
+        flat sheet as well as it can, and not as the held nodes happen to tilt it.
         """
-        shape = self.reference_surface(stretch, state)
-        if self.specimen.gravity > 0:
+        shape = self.reference_surface(milestone, state)
+        if self.specimen.is_placed:
             return shape
         flat = flat_surface(self.mesh)
         return align(shape, flat.points, flat.node_areas)
 
-    def state_near(self, shape: Array, stretch: StretchPair) -> Array:
-        """Return the state whose reference surface is near a given one, in any position."""
-        mesh, depth = self.mesh, -self.model.reference_height(stretch)
+    def state_near(self, shape: Array, milestone: Milestone) -> Array:
+        """Return the state whose reference surface is near a given one.
+
+        That may be in any position, unless supports hold it where it is.
+        """
+        mesh, depth = self.mesh, -self.model.reference_height(stretch_of(milestone))
         surface = reference_surface_over(shape, mesh.triangles, mesh.areas, depth)
-        return self._state_of(move_onto_held_points(surface, mesh.points, self._held_nodes))
+        if not self.specimen.supports:
+            surface = move_onto_held_points(surface, mesh.points, self._held_nodes)
+        state = self._state_of(surface)
+        state[self.held] = self.flat(milestone)[self.held]
+        return state
 
     def _state_of(self, nodes: Array) -> Array:
-        """Return the state of nodes at (n, 3), m, with every other entry 0."""
+        """Return the state of nodes at (n, 3), m, with every other entry as it is flat."""
         return np.concatenate(
-            [nodes.reshape(-1), np.zeros(self.model.extra_dofs + self.model.fold_count)]
+            [nodes.reshape(-1), self.model.extra_flat, np.zeros(self.model.fold_count)]
         )

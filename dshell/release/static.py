@@ -43,6 +43,12 @@ class ShellProblem(Protocol[Load]):
     def least_force(self) -> float:
         """Force that tolerances are at least relative to, N, so that round-off is above them."""
 
+    def way(self, start: Load, end: Load) -> float:
+        """Return the way between two loads, which `StepLimits.ramp` divides."""
+
+    def name_of(self, load: Load) -> str:
+        """Return a load in a few words."""
+
     def flat(self, load: Load) -> Array:
         """Return the flat state under a load, m, shape (dofs,)."""
 
@@ -185,9 +191,10 @@ class StaticPath(Generic[Load]):
                 share = end
                 yield self._arrived(found, share)
             elif step / 2 < self._limits.smallest_step:
+                place = self._problem.name_of(load)
                 raise ComputationError(
                     f"Newton's method did not converge: residual {found.residual:.3g} N "
-                    f"after {found.iterations} iterations, in a step to {max(load):.6g}"
+                    f"after {found.iterations} iterations, in a step to {place}"
                 )
             else:
                 step /= 2
@@ -222,8 +229,7 @@ class StaticPath(Generic[Load]):
 
     def _ramp(self, start: Load, body: Body, end: Load) -> list[Body]:
         """Return the shell on its way to a load, one body per iteration, and at its end."""
-        way = max(abs(b - a) for a, b in zip(start, end, strict=True))
-        count = math.ceil(way / self._limits.ramp)
+        count = math.ceil(self._problem.way(start, end) / self._limits.ramp)
         shares = np.arange(1, count) / count
         on_the_way = (self._problem.body(between(start, end, float(share))) for share in shares)
         return [*on_the_way, body]
@@ -233,8 +239,9 @@ class StaticPath(Generic[Load]):
         weightless = Body(body.energies, 0 * body.load)
         flat = self._solver.configure(weightless, self._problem.flat(load))
         if not math.isfinite(flat.error):
+            place = self._problem.name_of(load)
             raise ComputationError(
-                f"the flat sheet is out of reach at {max(load):.6g}: the law of a layer locks"
+                f"the flat sheet is out of reach at {place}: the law of a layer locks"
             )
         return max(flat.error + float(np.linalg.norm(body.load)), self._problem.least_force)
 

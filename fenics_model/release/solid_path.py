@@ -19,7 +19,8 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Linearised, Recorded, Saved
-from bilayer.specimen.prestretch import StretchPair
+from bilayer.specimen.load import Milestone
+from bilayer.specimen.prestretch import StretchPair, stretch_of
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import choose_held_nodes
 from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome, SearchRule
@@ -99,6 +100,16 @@ class SolidEquilibrium:
     def stretch(self) -> StretchPair:
         """(lambda_x, lambda_y)."""
         return self.place.stretch
+
+    @property
+    def milestone(self) -> Milestone:
+        """The same."""
+        return self.stretch
+
+    @property
+    def responses(self) -> Mapping[str, float]:
+        """Return none."""
+        return {}
 
     @property
     def residual(self) -> float:
@@ -281,13 +292,14 @@ class SolidPath:
             "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
         }
 
-    def approach(self, target: StretchPair) -> Iterator[SolidEquilibrium]:
-        """Go to a prestretch; see `bilayer.solvers.contract.Path`."""
+    def approach(self, target: Milestone) -> Iterator[SolidEquilibrium]:
+        """Go to a milestone; see `bilayer.solvers.contract.Path`."""
+        stretch = stretch_of(target)
         here = self._continuation.parameter
         if here < self.loads.end:
             self.loads.leave_at(here)
-        begin, goal = self.loads.last, self.loads.add_target(target)
-        shapes = self._shapes_between(begin, target, goal)
+        begin, goal = self.loads.last, self.loads.add_target(stretch)
+        shapes = self._shapes_between(begin, stretch, goal)
         if self.loads.turns_back:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
             shapes = {}

@@ -57,6 +57,14 @@ class Problem:
         """All of them, the faces' first."""
         return [self.faces, *self.more]
 
+    def way(self, start: Share, end: Share) -> float:
+        """The change of the share."""
+        return abs(end[0] - start[0])
+
+    def name_of(self, share: Share) -> str:
+        """The share as a text."""
+        return f"{share[0]:.6g}"
+
     def flat(self, share: Share) -> Array:
         """The flat state."""
         return self.flat_state

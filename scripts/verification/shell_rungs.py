@@ -18,7 +18,9 @@ from dshell.models.morley import MorleyModel
 from dshell.models.paper_rest_state import rest_state
 from verification import (
     bilayers,
+    buckled_strip,
     cantilevers,
+    clamped_plate,
     contacts,
     derivatives,
     flowers,
@@ -273,6 +275,17 @@ def against_finite_elements() -> Iterator[Check]:
         yield Check(f"prestretch {stretch:g}: rms / R", float(distance), 0.0, tolerance, 1.0)
 
 
+def clamped_plate_under_pressure() -> Iterator[Check]:
+    for size, tolerance in ((2e-3, None), (1e-3, 0.01)):
+        result = solve(clamped_plate.plate_specimen(size), "dshell")
+        yield from clamped_plate.checks(result, f"{1e3 * size:g} mm", tolerance)
+
+
+def strip_pushed_through() -> Iterator[Check]:
+    result = solve(buckled_strip.specimen(2e-3), "dshell")
+    yield from buckled_strip.checks(result, "2 mm", 0.02)
+
+
 def folded_strip() -> Iterator[Check]:
     for cells, tolerance in ((60, 0.01), (120, 0.005)):
         fold = contacts.fold_between_planes(cells)
@@ -443,6 +456,16 @@ TESTED_RUNGS = (
 )  # fmt: skip
 
 LONG_RUNGS = (
+    Rung(
+        17, MORLEY, "Clamped circular plate under a follower pressure",
+        clamped_plate.WORDS,
+        clamped_plate_under_pressure,
+    ),
+    Rung(
+        17, MORLEY, "Buckled strip pushed through its limit points",
+        buckled_strip.WORDS,
+        strip_pushed_through,
+    ),
     Rung(
         15, MORLEY, "Petals are alike on an unsymmetric mesh",
         "The paper's cut, 3 mm: radii of the petals' tips against their mean.",
