@@ -17,6 +17,7 @@ from bilayer.cli.spare_pint import spare_pint
 from bilayer.cli.verbs import VERBS, load_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.ranks import abort_other_ranks, is_first_rank
+from bilayer.runtime.surroundings import need_open_files
 from bilayer.runtime.terminal import drop_stdout, flush_stdout, tell, tell_lines
 from bilayer.runtime.termination import signals_put_off, termination_as_ctrl_c
 from bilayer.runtime.version import __version__
@@ -37,6 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if (begun := words_to_complete()) is not None:
                 return complete_words(_parser(begun))
             options = _parser(words).parse_args(words)
+            need_open_files()
             status: int = options.run(options)
             flush_stdout()
             tell_replaced(options)

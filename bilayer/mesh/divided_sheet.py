@@ -24,6 +24,8 @@ CORNER = math.radians(20)
 """Edges that turn by more at a point have a corner there, which becomes a node."""
 STRAIGHT = math.radians(30)
 """A curve of many short lines is given an edge for every such part of a turn, or more."""
+MISFIT = 1 / 200
+"""A part narrower than this share of the mesh size is the misfit of two edges meant as one."""
 GRADING = 0.25
 """Growth of the edge length over the distance from the corners of the cuts."""
 
@@ -51,6 +53,11 @@ class Part:
         """Its outer edge counterclockwise, then those of its holes, each corner once, m."""
         polygon = orient(self.polygon)
         return [list(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+
+    @property
+    def width(self) -> float:
+        """Its width if it is a strip, m."""
+        return 2 * self.polygon.area / self.polygon.length
 
 
 @dataclass(frozen=True)
@@ -236,7 +243,35 @@ def divided(specimen: Specimen) -> tuple[Part, ...]:
         if outline.contains(inside):
             there = [name for name, region in regions.items() if region.contains(inside)]
             parts.append(Part(polygon, whole | frozenset(there)))
-    return tuple(part for part in parts if part.layers)
+    laid = [part for part in parts if part.layers]
+    return without_misfits(laid, specimen.mesh.corner_size or specimen.mesh.size)
+
+
+def without_misfits(parts: list[Part], size: float) -> tuple[Part, ...]:
+    """Return the parts with each misfit given to the part beside it that has the longer edge.
+
+    A misfit is what lies between two edges that nearly coincide, as two patterns have them if they
+    come from different drawings. A narrow part with the same layers on both sides is a slit, and
+    stays.
+
+    Parameters
+    ----------
+    parts : list of Part
+        On which layers lie.
+    size : float
+        Edge length of the mesh there, m.
+    """
+    wide = [part for part in parts if part.width >= MISFIT * size]
+    slits = []
+    for narrow in (part for part in parts if part.width < MISFIT * size):
+        shared = [narrow.polygon.intersection(part.polygon).length for part in wide]
+        beside = [number for number in np.argsort(shared)[::-1][:2] if shared[number] > 0]
+        if len({wide[number].layers for number in beside} - {narrow.layers}) == 2:
+            other = wide[beside[0]]
+            wide[beside[0]] = Part(narrow.polygon.union(other.polygon), other.layers)
+        else:
+            slits.append(narrow)
+    return (*wide, *slits)
 
 
 def corners_of(parts: tuple[Part, ...]) -> frozenset[Vertex]:

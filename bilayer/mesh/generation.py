@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.errors import ComputationError, NotEnoughMemoryError
+from bilayer.errors import ComputationError, InputError, NotEnoughMemoryError
 from bilayer.mesh.agreement import check_agreement
 from bilayer.mesh.bonding import check_bonding
 from bilayer.mesh.divided_sheet import DividedSheet
@@ -20,6 +20,10 @@ from bilayer.specimen.specimen import Specimen
 
 BYTES_PER_TRIANGLE = 2000
 """Memory that gmsh and the arrays of the mesh take (measured: 1.3 to 1.9 kB per triangle)."""
+
+
+FLATTEST = 1e-3
+"""Height of a triangle over its longest edge. With flatter ones no solver gets far."""
 
 
 def size_for(triangles: int, radius: float) -> float:
@@ -125,6 +129,8 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
 
     Raises
     ------
+    InputError
+        Two edges of the sheet are nearly one.
     NotEnoughMemoryError
         The mesh would not fit into memory.
     ComputationError
@@ -143,7 +149,24 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
     numbers = [sets.index(part.layers) for part in parts]
     region = np.repeat(numbers, [len(part) for part in triangles])
     points, numbered = _numbered_from_zero(tags, coordinates, np.concatenate(triangles))
+    _check_flatness(points[numbered])
     return PlanarMesh(points, numbered, region, sets)
+
+
+def _check_flatness(corners: NDArray[np.float64]) -> None:
+    """Raise InputError if a triangle, of the corners (m, 3, 2), is too flat for any solver."""
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    doubled = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    height = np.abs(doubled) / longest
+    flattest = int(np.argmin(height / longest))
+    if height[flattest] < FLATTEST * longest[flattest]:
+        x, y = 1e3 * corners[flattest].mean(axis=0)
+        raise InputError(
+            f"the sheet has two edges {1e6 * height[flattest]:.2g} um from each other at x, y = "
+            f"{x:.3f}, {y:.3f} mm: expected one edge, or {FLATTEST:g} of a triangle's length "
+            "between them (mesh.corner_size makes shorter ones)"
+        )
 
 
 def _triangles(gmsh: Any, surfaces: Sequence[int]) -> NDArray[np.int64]:

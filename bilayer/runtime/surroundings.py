@@ -9,6 +9,9 @@ import re
 import sys
 import warnings
 
+from bilayer.errors import MachineError
+from bilayer.runtime.system import most_open_files
+
 IGNORED = (
     "HDF5_DRIVER", "HDF5_DRIVER_CONFIG", "HDF5_PLUGIN_PATH", "HDF5_PLUGIN_PRELOAD",
     "HDF5_VOL_CONNECTOR", "HDF5_DISABLE_VERSION_CHECK",
@@ -24,6 +27,11 @@ CHECKED = {
     "COLUMNS": r"[1-9]\d{1,3}",
 }
 """Variables that are kept if they hold what they may hold."""
+
+
+OPEN_FILES = 64
+"""How many files a verb may need open at once: shared libraries that are being loaded, pipes of MPI
+and of child processes, inputs, outputs. 18 are enough for a shell on one rank."""
 
 
 def keep_surroundings_out() -> None:
@@ -48,3 +56,18 @@ def _silence_libraries(asked_by_variable: bool) -> None:
         warnings.resetwarnings()
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+
+
+def need_open_files() -> None:
+    """Refuse to begin where too few files may be open: MPI and gmsh say so in lines of their own.
+
+    Raises
+    ------
+    MachineError
+        If the limit of open files is below `OPEN_FILES`.
+    """
+    if most_open_files() < OPEN_FILES:
+        raise MachineError(
+            f"only {most_open_files()} files may be open at once here, {OPEN_FILES} are needed: "
+            f"ulimit -n {OPEN_FILES}"
+        )

@@ -97,6 +97,22 @@ def address_space_left(used: int) -> float:
     return math.inf if soft == resource.RLIM_INFINITY else soft - used
 
 
+def most_open_files() -> float:
+    """Return how many files this process may hold open at once (`ulimit -n`).
+
+    Returns
+    -------
+    float
+        Infinite if there is no limit.
+    """
+    try:
+        import resource
+    except ImportError:  # Windows
+        return math.inf
+    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return math.inf if soft == resource.RLIM_INFINITY else soft
+
+
 def user_number() -> int:
     """Return the number of the user whose process this is; 0 on a system that has none."""
     return os.getuid() if hasattr(os, "getuid") else 0

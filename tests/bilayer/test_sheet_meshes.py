@@ -80,6 +80,29 @@ def test_layers_with_patterns_of_their_own_make_all_sets_of_layers():
     assert covered(mesh, "upper") == pytest.approx(upper.area, rel=4e-3)
 
 
+def nearly_coincident(apart):
+    """A trilayer whose upper patterns have cutouts that begin `apart` from each other, m."""
+    inner = CutPattern(5, 0.006 + apart, 0.4)
+    return trilayer(lower=inner, upper=CutPattern(5, 0.006, 0.4))
+
+
+def test_edges_that_nearly_coincide_are_one():
+    exact, near = (generate_mesh(nearly_coincident(apart)) for apart in (0.0, 3e-6))
+    sides = near.points[near.triangles] - near.points[np.roll(near.triangles, 1, axis=1)]
+    assert np.linalg.norm(sides, axis=2).min() > 5e-4
+    assert len(near.triangles) == pytest.approx(len(exact.triangles), rel=0.05)
+    assert covered(near, "lower") == pytest.approx(covered(exact, "lower"), rel=1e-3)
+
+
+def test_a_slit_too_narrow_for_the_mesh_is_refused_with_its_place():
+    halves = Polygons(
+        tuple(((s * 5e-7, -0.01), (s * 0.01, -0.01), (s * 0.01, 0.01), (s * 5e-7, 0.01))
+              for s in (-1, 1))
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"two edges 1(\.\d)? um from each other at x, y = "):
+        generate_mesh(bilayer(pattern=halves))
+
+
 def test_a_trilayer_of_one_pattern_has_the_mesh_of_the_bilayer():
     two, three = generate_mesh(bilayer(pattern=CUT)), generate_mesh(trilayer(lower=CUT, upper=CUT))
     assert np.array_equal(two.points, three.points)
