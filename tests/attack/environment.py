@@ -165,7 +165,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         yield of("all closed", words, streams={0: "closed", 1: "closed", 2: "closed"})
     for words in (("info", "none.nc"), ("frobnicate",)):
         yield of("bad input, stderr closed", words, Right.REFUSED, streams={2: "closed"})
-    yield of("3 files at a time", SOLVE, Right.HANDLED, limits={resource.RLIMIT_NOFILE: 12})
+    yield of("12 files at a time", SOLVE, Right.HANDLED, limits={resource.RLIMIT_NOFILE: 12})
     yield of("1 MB for a file", SOLVE, Right.HANDLED, limits={resource.RLIMIT_FSIZE: 10_000})
     yield of("no file at all", SOLVE, Right.HANDLED, limits={resource.RLIMIT_FSIZE: 0})
     yield of("no file at all", PLOT, Right.HANDLED, limits={resource.RLIMIT_FSIZE: 0})

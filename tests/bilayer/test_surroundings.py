@@ -1,6 +1,7 @@
 """The user's variables, folders and settings of other programs have no say."""
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -171,3 +172,13 @@ def test_meshing_leaves_nothing_in_the_home_folder(tmp_path):
     done = subprocess.run([sys.executable, "-c", code], env=own, capture_output=True, text=True)
     assert (done.stdout, done.stderr) == (f"{tmp_path}/home\n", "")
     assert not list((tmp_path / "home").iterdir())
+
+
+def test_too_few_open_files_are_told_before_a_verb_begins(bilayer_command):
+    done = bilayer_command(
+        "init", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
+    )
+    assert done.returncode == 1
+    assert done.stderr == (
+        "bilayer: error: only 40 files may be open at once here, 64 are needed: ulimit -n 64\n"
+    )
