@@ -75,6 +75,7 @@ def print_style() -> Iterator[None]:
             if mpl.rcParams[name] == mpl.rcParamsDefault[name]
         }
         mpl.rcParams.update(untouched)
+        mpl.rcParams["text.usetex"] = False  # it would read names of files as commands
         yield
 
 
