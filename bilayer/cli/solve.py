@@ -26,6 +26,7 @@ from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
 from bilayer.runtime.terminal import say, say_json, tell
+from bilayer.runtime.time_limit import read_duration
 from bilayer.solvers.registry import SOLVERS, STARTS, settings_class, solve, solver_named
 from bilayer.specimen.settings import settings_from, split_solver_settings
 from bilayer.specimen.specimen import Specimen
@@ -86,6 +87,11 @@ def add(verbs: Any) -> None:
         "--plot", action="store_true", help="also draw the shapes: FILE.png beside FILE.nc"
     )
     add_case_arguments(verb)
+    verb.add_argument(
+        "--limit", metavar="TIME",
+        help="most time for a milestone, such as 90s, 5min or 2h; the run ends at one that takes "
+        "longer and keeps those before it, --resume goes on",
+    )  # fmt: skip
     verb.add_argument(
         "--start", metavar="START",
         help="initial guess: 'shell' = shapes of the morley shell (the default of fenics); "
@@ -168,6 +174,7 @@ def _solved(
             progress=progress,
             output=one.output,
             resume=one.output if options.resume and one.output.exists() else None,
+            limit=None if options.limit is None else read_duration("--limit", options.limit),
         )
 
 

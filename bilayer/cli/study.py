@@ -13,6 +13,7 @@ from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi, world_of_ranks
 from bilayer.runtime.system import available_cores
 from bilayer.runtime.terminal import one_line, say, tell
+from bilayer.runtime.time_limit import read_duration
 from bilayer.study.case_table import case_table
 from bilayer.study.estimate import estimate, estimate_text
 from bilayer.study.folder import StudyFolder
@@ -57,6 +58,11 @@ def add(verbs: Any) -> None:
         help="which cases begin: 'longest', so that all cores end together (the default); "
         "'cheapest', to have something to look at soon",
     )  # fmt: skip
+    verb.add_argument(
+        "--limit", metavar="TIME",
+        help="most time for a milestone, such as 90s, 5min or 2h; a case stops early at one that "
+        "takes longer, --retry-failed goes on there",
+    )  # fmt: skip
     add_trust_argument(verb)
     what = verb.add_mutually_exclusive_group()
     what.add_argument(
@@ -82,18 +88,19 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.case is not None:
         return _run_case(plan, options, world)
+    limit = _limit(options)
     _one_thread_per_process()
     with progress_bar("study", shown=is_first_rank() and not options.quiet) as progress:
         if world is None:
             index = run_study(
                 plan, options.output, jobs=jobs, retry_failed=options.retry_failed,
-                first=options.first, progress=progress, notice=_notice,
+                first=options.first, limit=limit, progress=progress, notice=_notice,
             )  # fmt: skip
         else:
             index = run_study_on_ranks(
                 plan, options.output, world, ranks_per_case=ranks_per_case,
-                retry_failed=options.retry_failed, first=options.first, progress=progress,
-                notice=_notice,
+                retry_failed=options.retry_failed, first=options.first, limit=limit,
+                progress=progress, notice=_notice,
             )  # fmt: skip
     return _report(index, options) if is_first_rank() else _status(index)
 
@@ -102,11 +109,15 @@ def _run_case(plan: StudyPlan, options: argparse.Namespace, world: Any) -> int:
     number = _count("--case", options.case)
     run_one_case(
         plan, options.output, number, world=world, retry_failed=options.retry_failed,
-        notice=_notice,
+        limit=_limit(options), notice=_notice,
     )  # fmt: skip
     identity = plan.cases[number - 1].identity
     index = read_index(StudyFolder(options.output))
     return _report(index[index["case"] == identity], options) if is_first_rank() else 0
+
+
+def _limit(options: argparse.Namespace) -> float | None:
+    return None if options.limit is None else read_duration("--limit", options.limit)
 
 
 def _notice(line: str) -> None:

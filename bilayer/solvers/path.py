@@ -7,12 +7,14 @@ The path knows nothing of files, measures and progress: these are observers, pla
 take a `LoadStep`. The caller of the generator holds each point while it is live.
 """
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from bilayer.errors import ComputationError
+from bilayer.runtime.time_limit import time_limit
 from bilayer.solvers.contract import Path, PathPoint, TargetMissedError
 
 Target = TypeVar("Target")
@@ -72,6 +74,7 @@ def follow_path(
     observers: Sequence[Observer] = (),
     *,
     first: int = 0,
+    limit: float = math.inf,
 ) -> Iterator[LoadStep[Target, Point]]:
     """Take a path through targets.
 
@@ -85,6 +88,8 @@ def follow_path(
         Each is told of every step, in this order, before the step is yielded.
     first : int
         The target to begin with; those before it are done.
+    limit : float
+        Seconds for each target; the path ends where they are over.
 
     Yields
     ------
@@ -94,7 +99,7 @@ def follow_path(
         is no more memory, it is the last.
     """
     for index in range(first, len(targets)):
-        for step in _steps_to(path, targets, index):
+        for step in _steps_to(path, targets, index, limit):
             for observer in observers:
                 observer(step)
             yield step
@@ -103,7 +108,7 @@ def follow_path(
 
 
 def _steps_to(
-    path: Path[Target, Point], targets: Sequence[Target], index: int
+    path: Path[Target, Point], targets: Sequence[Target], index: int, limit: float
 ) -> Iterator[LoadStep[Target, Point]]:
     """Yield the steps to one target."""
     target, count = targets[index], len(targets)
@@ -114,7 +119,8 @@ def _steps_to(
         failure: Exception | None = None
         begun = time.perf_counter()
         try:
-            point = next(points)
+            with time_limit(limit - seconds):
+                point = next(points)
         except StopIteration:
             return
         except (ComputationError, MemoryError) as error:
@@ -132,7 +138,8 @@ def run_path(
     observers: Sequence[Observer] = (),
     *,
     first: int = 0,
+    limit: float = math.inf,
 ) -> None:
     """Take a path through targets for its observers alone; see `follow_path`."""
-    for _ in follow_path(path, targets, observers, first=first):
+    for _ in follow_path(path, targets, observers, first=first, limit=limit):
         pass

@@ -23,6 +23,7 @@ from bilayer.results.schema import NOT_MEASURED, MilestoneState
 from bilayer.results.table import milestone_text, place_words
 from bilayer.runtime.ranks import on_first_rank
 from bilayer.runtime.termination import signals_put_off
+from bilayer.runtime.time_limit import TimeIsUpError
 from bilayer.solvers.contract import Equilibrium, Recorded, Saved, SpecimenPath, TargetMissedError
 from bilayer.solvers.path import LoadStep
 from bilayer.solvers.resuming import Unfinished
@@ -90,7 +91,7 @@ class Recorder:
         self._milestones: list[_Milestone] = []
         self._not_measured: list[str] = []
         self._saved: Saved = {}
-        self._is_over = False
+        self._is_over = self._is_out_of_time = False
         if earlier is not None:
             self._milestones = [_Milestone(state, None) for state in earlier.states]
             self._not_measured = list(earlier.not_measured)
@@ -109,6 +110,7 @@ class Recorder:
             self._milestones.append(self._collected(step))
             if step.is_at_target:
                 self._saved = step.point.save()
+            self._is_out_of_time = isinstance(step.failure, TimeIsUpError)
             self._is_over = step.index + 1 == step.count or not _goes_on(step.failure)
             on_first_rank(self._path.comm, lambda: self._finish(step.target))
 
@@ -179,7 +181,12 @@ class Recorder:
         return (*earlier, *(done.reason for done in self._milestones if done.reason))
 
     def _resume_point(self) -> ResumePoint | None:
-        """Return the point from which the run can be resumed, None if it is over."""
+        """Return the point from which the run can be resumed, None if it is over.
+
+        A milestone that was given up for lack of time is tried again.
+        """
+        if self._is_out_of_time:
+            return ResumePoint(self.tried - 1, self._reasons[:-1], self._saved)
         return None if self._is_over else ResumePoint(self.tried, self._reasons, self._saved)
 
 

@@ -22,7 +22,7 @@ from bilayer.solvers.recording import leave_unmeasured
 from bilayer.solvers.run import follow_with, solve_with
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
-from bilayer.validation import one_of
+from bilayer.validation import one_of, positive
 
 SOLVERS = {"fenics": "fenics_model", "dshell": "dshell"}
 
@@ -56,6 +56,7 @@ def solve(
     observers: Sequence[Observer] = (),
     output: str | Path | None = None,
     resume: str | Path | None = None,
+    limit: float | None = None,
 ) -> xr.Dataset:
     """Compute the shapes of a specimen at its milestones.
 
@@ -86,6 +87,9 @@ def solve(
     resume : path-like, optional
         Result file of a run that was not finished, of the same specimen, settings and milestones:
         go on from its last milestone. A finished one is returned as it is.
+    limit : float, optional
+        Seconds that a milestone may take. The run ends at one that takes longer, with the
+        milestones before it; `resume` goes on from there.
 
     Returns
     -------
@@ -112,6 +116,7 @@ def solve(
             observers=observers,
             output=output,
             resume=resume,
+            limit=None if limit is None else positive("limit", limit, unit="s"),
         )
 
 

@@ -1,5 +1,6 @@
 """A run: a solver's path through the milestones of a specimen, and the dataset that comes of it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -34,6 +35,7 @@ def solve_with(
     observers: Sequence[Observer] = (),
     output: str | Path | None = None,
     resume: str | Path | None = None,
+    limit: float | None = None,
     measure_shape: MeasureShape | None = None,
 ) -> xr.Dataset:
     """Compute the shapes of a specimen at its milestones; see `bilayer.solve`.
@@ -42,7 +44,7 @@ def solve_with(
     ----------
     solver : Solver
         Which one.
-    specimen, settings, mesh, comm, progress, observers, output, resume
+    specimen, settings, mesh, comm, progress, observers, output, resume, limit
         See `bilayer.solve`.
     start : Dataset, callable or None
         See `bilayer.solvers.contract.Start`.
@@ -62,6 +64,8 @@ def solve_with(
             if output is not None and Path(output) != Path(resume) and is_first_rank():
                 write_result(held, output)
             return held
+        if earlier.point.tried == 0:  # there was no time for any
+            earlier = None
     progress = None if progress is None else never_back(progress)
     path = _opened(solver, specimen, settings, mesh, start, comm, progress, earlier)
     with closing(path):
@@ -75,7 +79,13 @@ def solve_with(
             telling = [reporter(progress, specimen)]
         targets = specimen.milestones
         try:
-            run_path(path, targets, [recorder, *telling, *observers], first=recorder.tried)
+            run_path(
+                path,
+                targets,
+                [recorder, *telling, *observers],
+                first=recorder.tried,
+                limit=math.inf if limit is None else limit,
+            )
             with signals_put_off():
                 result: xr.Dataset = _on_every_rank(path, recorder)
             return result

@@ -24,7 +24,11 @@ from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
 
 
 def compute_case(
-    case: Case, folder: StudyFolder, comm: Any = None, neighbours: Neighbours | None = None
+    case: Case,
+    folder: StudyFolder,
+    comm: Any = None,
+    neighbours: Neighbours | None = None,
+    limit: float | None = None,
 ) -> None:
     """Solve a case and write what came out.
 
@@ -41,6 +45,8 @@ def compute_case(
     neighbours : Neighbours, optional
         Earlier results of this process, one of which may start the case. Cases that turn out to
         have been started wrongly are computed again.
+    limit : float, optional
+        Seconds that a milestone may take.
 
     Raises
     ------
@@ -55,7 +61,7 @@ def compute_case(
         folder.log(LOG_BEGUN, case)
     start = time.perf_counter()
     try:
-        result, before = _solve(case, folder, comm, neighbours or NoNeighbours())
+        result, before = _solve(case, folder, comm, neighbours or NoNeighbours(), limit)
     except Exception as error:
         if first:
             _keep_error(case, folder, error)
@@ -67,7 +73,7 @@ def compute_case(
     elif first:
         folder.keep_result(case, result, before + time.perf_counter() - start)
     for other in [] if neighbours is None else neighbours.withdrawn():
-        compute_case(other, folder, comm)
+        compute_case(other, folder, comm, limit=limit)
 
 
 def _keep_error(case: Case, folder: StudyFolder, error: Exception) -> None:
@@ -88,7 +94,11 @@ def _keep_error(case: Case, folder: StudyFolder, error: Exception) -> None:
 
 
 def _solve(
-    case: Case, folder: StudyFolder, comm: Any, neighbours: Neighbours | NoNeighbours
+    case: Case,
+    folder: StudyFolder,
+    comm: Any,
+    neighbours: Neighbours | NoNeighbours,
+    limit: float | None,
 ) -> tuple[xr.Dataset, float]:
     """Return the result of a case, and the seconds that an earlier start spent on it.
 
@@ -98,7 +108,9 @@ def _solve(
     file = folder.unfinished_file(case.identity)
     if first:
         remove_leftovers(file)
-    compute = partial(solve, case.specimen, case.solver, case.settings, comm=comm, output=file)
+    compute = partial(
+        solve, case.specimen, case.solver, case.settings, comm=comm, output=file, limit=limit
+    )
     if not file.exists():
         return neighbours.solve(case, compute), 0.0
     try:

@@ -22,7 +22,7 @@ from typing import Any
 import xarray as xr
 
 from bilayer.errors import ComputationError, InputError
-from bilayer.results.files import check_result_output, write_result
+from bilayer.results.files import check_result_output, open_resume_point, write_result
 from bilayer.runtime.input_file import read_text
 from bilayer.runtime.output_file import check_writable, remove_leftovers, whole_file
 from bilayer.runtime.system import lock_alone, lock_shared
@@ -229,9 +229,19 @@ class StudyFolder:
             self.log_not_written(case, error)
             raise
         self.failure_file(case.identity).unlink(missing_ok=True)
-        self.unfinished_file(case.identity).unlink(missing_ok=True)
+        self._remove_unless_resumable(self.unfinished_file(case.identity))
         self.remove_half_written(case)
         self.log(LOG_DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
+
+    @staticmethod
+    def _remove_unless_resumable(file: Path) -> None:
+        """Remove the milestones of a finished case; those of one without time are needed again."""
+        try:
+            is_needed = file.exists() and open_resume_point(file) is not None
+        except InputError:
+            is_needed = False
+        if not is_needed:
+            file.unlink(missing_ok=True)
 
     def remove_half_written(self, case: Case) -> None:
         """Remove what a process that was killed while it wrote a file of a case has left."""

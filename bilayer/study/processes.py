@@ -36,6 +36,7 @@ def compute_in_processes(
     jobs: int,
     memory: float,
     told: Callable[[Case], None],
+    limit: float | None = None,
 ) -> None:
     """Compute cases, in their order, as many at a time as the processes and the memory allow.
 
@@ -51,6 +52,8 @@ def compute_in_processes(
         Bytes that the processes may take together; a case that takes more is computed alone.
     told : callable
         Called with each case that has ended, well or not.
+    limit : float, optional
+        Seconds that a milestone may take.
 
     Raises
     ------
@@ -73,7 +76,7 @@ def compute_in_processes(
             while waiting and next_starts():
                 case = waiting.popleft()
                 worker = idle.pop() if idle else workers.enter_context(_worker(folder))
-                running[worker.submit(_compute, case, folder)] = worker, case
+                running[worker.submit(_compute, case, folder, limit)] = worker, case
             while idle:
                 idle.pop().shutdown()  # nothing fits beside what runs: give its memory back
             for future in wait(running, return_when=FIRST_COMPLETED).done:
@@ -113,9 +116,9 @@ def _worker(folder: StudyFolder) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(1, context, initializer=_begin_work, initargs=(folder,))
 
 
-def _compute(case: Case, folder: StudyFolder) -> None:
+def _compute(case: Case, folder: StudyFolder, limit: float | None) -> None:
     """Compute a case in a worker, beside those that it has computed before."""
-    compute_case(case, folder, neighbours=_neighbours_of_this_process())
+    compute_case(case, folder, neighbours=_neighbours_of_this_process(), limit=limit)
 
 
 @cache

@@ -25,6 +25,7 @@ def compute_on_ranks(
     folder: StudyFolder,
     ranks_per_case: int,
     told: Callable[[Case], None],
+    limit: float | None = None,
 ) -> None:
     """Compute cases, in their order, one per group of ranks.
 
@@ -40,6 +41,8 @@ def compute_on_ranks(
         Size of a group; the last one is smaller if the ranks do not divide.
     told : callable
         Called with each case that is over, on the ranks that computed it.
+    limit : float, optional
+        Seconds that a milestone may take.
 
     Raises
     ------
@@ -58,7 +61,7 @@ def compute_on_ranks(
         place = group.bcast(queue.next() if group.Get_rank() == 0 else None)
         if place >= len(cases):
             break
-        failure = _first_error_of_group(group, cases[place], folder, neighbours)
+        failure = _first_error_of_group(group, cases[place], folder, neighbours, limit)
         told(cases[place])
     _wait_for_all(world)
     failures = [error for error in world.allgather(failure) if error is not None]
@@ -105,12 +108,12 @@ def _wait_for_all(world: Any) -> None:
 
 
 def _first_error_of_group(
-    group: Any, case: Case, folder: StudyFolder, neighbours: Neighbours
+    group: Any, case: Case, folder: StudyFolder, neighbours: Neighbours, limit: float | None
 ) -> BilayerError | None:
     """Compute a case; return the error that the first rank of the group met in keeping it."""
     failure = None
     try:
-        compute_case(case, folder, group, neighbours)
+        compute_case(case, folder, group, neighbours, limit)
     except BilayerError as error:
         failure = error
     met: BilayerError | None = group.bcast(failure)

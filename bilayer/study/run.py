@@ -35,6 +35,7 @@ def run_study(
     memory: float | None = None,
     retry_failed: bool = False,
     first: str = LONGEST,
+    limit: float | None = None,
     progress: Progress | None = None,
     notice: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
@@ -58,6 +59,9 @@ def run_study(
     first : {"longest", "cheapest"}
         Which cases begin: the longest, so that all cores end together; the cheapest, so that there
         is something to look at soon.
+    limit : float, optional
+        Seconds that a milestone may take. A case with one that takes longer stops early;
+        `retry_failed` goes on there.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
     notice : callable, optional
@@ -91,7 +95,9 @@ def run_study(
         note = memory_note(fitting, count, room)
         if note:
             told(note)
-        compute_in_processes(fitting, folder, count, room, _progress_reporter(fitting, progress))
+        compute_in_processes(
+            fitting, folder, count, room, _progress_reporter(fitting, progress), limit
+        )
         return write_index(folder)
 
 
@@ -103,6 +109,7 @@ def run_study_on_ranks(
     ranks_per_case: int = 1,
     retry_failed: bool = False,
     first: str = LONGEST,
+    limit: float | None = None,
     progress: Progress | None = None,
     notice: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
@@ -110,7 +117,7 @@ def run_study_on_ranks(
 
     Parameters
     ----------
-    plan, path, retry_failed, first, progress, notice
+    plan, path, retry_failed, first, limit, progress, notice
         As for `run_study`, the same on all ranks; the first reports the progress.
     world : mpi4py.MPI.Comm
         All ranks.
@@ -135,7 +142,7 @@ def run_study_on_ranks(
         waiting = prepare_on_first_rank(world, prepare)
         report_end = _progress_reporter(waiting, progress if world.Get_rank() == 0 else None)
         with folder.mark_as_working():
-            compute_on_ranks(world, waiting, folder, ranks_per_case, report_end)
+            compute_on_ranks(world, waiting, folder, ranks_per_case, report_end, limit)
         return prepare_on_first_rank(world, lambda: write_index(folder))
 
 
@@ -146,6 +153,7 @@ def run_one_case(
     *,
     world: Any = None,
     retry_failed: bool = False,
+    limit: float | None = None,
     notice: Callable[[str], None] | None = None,
 ) -> None:
     """Compute one case of a study by its number, unless it is there; a task of a job array.
@@ -154,7 +162,7 @@ def run_one_case(
 
     Parameters
     ----------
-    plan, path, retry_failed, notice
+    plan, path, retry_failed, limit, notice
         As for `run_study`; the files of this case alone are set aside.
     number : int
         Place of the case in the study, from 1.
@@ -182,7 +190,7 @@ def run_one_case(
 
     missing = prepare() if world is None else prepare_on_first_rank(world, prepare)
     if missing:
-        compute_case(case, folder, world)
+        compute_case(case, folder, world, limit=limit)
 
 
 def cases_to_compute(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from bilayer.errors import ComputationError
+from bilayer.runtime.time_limit import check_time
 from dshell.energies.assembly import Assembly, Energy, deform, gradient_of
 from dshell.energies.whole_turns import continue_turns
 from dshell.solve.linear_solver import LinearSolver, SingularMatrixError, best_linear_solver
@@ -183,6 +184,7 @@ def implicit_euler(body: MovingBody, start: Motion, stepping: Stepping) -> Itera
     assembly, linear = body.assembly(), best_linear_solver()
     motion = start
     for step in range(1, stepping.steps + 1):
+        check_time()
         time = start.time + step * stepping.time_step
         motion = _step(body, assembly, linear, motion, time, stepping.time_step, stepping.rule)
         yield motion
@@ -215,6 +217,7 @@ def adaptive_euler(body: MovingBody, start: Motion, stepping: AdaptiveStepping) 
     shortest = stepping.first_step / 2**stepping.HALVINGS
     tried = 0
     while motion.time < stepping.end:
+        check_time()
         left = stepping.end - motion.time
         h = left if wish >= left else min(wish, left / 2)  # no tiny step is left for the end
         time = stepping.end if h == left else motion.time + h

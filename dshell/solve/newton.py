@@ -22,6 +22,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from bilayer.errors import ComputationError
+from bilayer.runtime.time_limit import check_time
 from dshell.energies.assembly import Assembly, Energy, deform, energy_sums, gradient_of
 from dshell.energies.skin_contact import SkinContact, TouchingSkin
 from dshell.energies.whole_turns import continue_turns
@@ -319,6 +320,7 @@ class EquilibriumSolver:
         here = self.configure(bodies[0], start)
         iterates.append(here.state)
         for iteration in range(limits.iterations + 1):
+            check_time()
             body = bodies[min(iteration, len(bodies) - 1)]
             converged = False
             try:
@@ -372,6 +374,7 @@ class EquilibriumSolver:
             converged = here.error <= limits.tolerance
             if converged or not np.isfinite(here.error) or iteration == limits.iterations:
                 break
+            check_time()
             try:
                 factor = self._linear.factor(here.hessian())
             except SingularMatrixError:

@@ -1,20 +1,26 @@
 """Gradient flow: a viscous flow at fixed load to a stable equilibrium, if none is near.
 
 The displacement obeys c M du/dt = -dE/du, the pressures stay in balance (a viscous regularisation;
-backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 0 with k = c / dt.
-A step counts only if its tangent has no unstable mode: then it went downhill, and k may fall to
-zero on a stable branch alone. The pseudo-time has no meaning, so its step grows as long as it can
-(pseudo-transient continuation: C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523).
+backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 0 with k = c / dt,
+by corrections with one factor of its tangent. That must have no unstable mode, and the energy must
+fall by what the viscosity takes: then the step went downhill. A step that is not solved to the end
+counts as well, because the pseudo-time has no meaning. So k falls as long as the steps go downhill,
+and to zero near an equilibrium; it grows where they do not. A step costs one factorisation.
+
+Sources: C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523 (pseudo-transient
+continuation); the energy as judge makes it a trust-region method: N. I. M. Gould, S. Lucidi,
+M. Roma, Ph. L. Toint, SIAM J. Optim. 9 (1999) 504-525.
 """
 
-from dataclasses import dataclass, replace
+import math
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
 
-import numpy as np
-
+from fenics_model.branches.condensed_energy import CondensedEnergy, PressureBalance
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.solid.state import State
+from fenics_model.solve.corrections import CorrectionRule
 from fenics_model.solve.effort import Effort
-from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
 
@@ -26,23 +32,55 @@ class FlowRule:
     ----------
     step_limit : int
         Time steps after which it has failed.
-    growth, growth_after_cut, cut : float
-        Factors of the time step after a success (less once a step has failed) and after a failure.
+    easy, hard : int
+        Corrections up to which a time step is an easy one, and from which on it is a hard one.
+    easy_growth, growth, hard_growth : float
+        Factors of the time step after an easy one, another, and a hard one.
+    growth_after_cut : float
+        Largest factor of the time step after a failure.
+    recovery, quick_recovery : float
+        Factors by which that grows with each success, and with an easy one.
+    cut, cut_many : float
+        Factors by which k grows after a failure, and after one with several unstable modes.
     stiffest : float
         k over the first one beyond which a failing time step is no longer cut.
     slow : float
         The flow is nearly at rest: its viscous force over the reference.
+    retry : float
+        Factor by which k falls until a flow without viscosity is tried again.
     step_accuracy : float
         To what part of its start the residual falls in a time step.
+    energy_noise : float
+        Relative change of the energy that may be round-off.
+    corrections : CorrectionRule
+        Of a time step; its residual may grow at first, because the energy is the judge.
     """
 
     step_limit: int = 100
-    growth: float = 4.0
-    growth_after_cut: float = 2.0
-    cut: float = 6.0
+    easy: int = 6
+    hard: int = 12
+    easy_growth: float = 16.0
+    growth: float = 6.0
+    hard_growth: float = 2.0
+    growth_after_cut: float = 1.5
+    recovery: float = 1.25
+    quick_recovery: float = 3.0
+    cut: float = 4.0
+    cut_many: float = 25.0
     stiffest: float = 1e8
     slow: float = 1e-3
+    retry: float = 30.0
     step_accuracy: float = 1e-3
+    energy_noise: float = 1e-9
+    corrections: CorrectionRule = field(
+        default_factory=lambda: CorrectionRule(tangent_cost=30.0, fewest=8)
+    )
+
+    def growth_after(self, corrections: int) -> float:
+        """Return the factor of the time step after one that was solved."""
+        if corrections <= self.easy:
+            return self.easy_growth
+        return self.growth if corrections < self.hard else self.hard_growth
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +102,105 @@ class FlowOutcome:
     effort: Effort
 
 
-@dataclass(frozen=True, eq=False)
-class _Step:
-    """A time step: where it ended, what it took, and its viscous force, N; None if it failed.
+@dataclass(frozen=True)
+class ViscosityControl:
+    """The k of the next time step.
 
-    The factors are those of its end, which showed that it went downhill.
+    Parameters
+    ----------
+    rule : FlowRule
+        Its factors.
+    k : float
+        Viscosity over time step, Pa/m2; 0 where the flow is tried without.
+    last : float
+        The k that a time step without viscosity goes back to if it fails.
+    least : float
+        The k from which on no step without viscosity is tried: one has failed there.
+    most_growth : float
+        Factor by which the time step grows at most; little after a failure.
+
+    Examples
+    --------
+    >>> control = ViscosityControl(FlowRule(), k=1.0, last=1.0)
+    >>> control.after_success(corrections=20, is_nearly_at_rest=False).k
+    0.5
+    >>> control.after_success(corrections=20, is_nearly_at_rest=True).k
+    0.0
+    >>> control.after_failure(modes=1).k
+    4.0
     """
 
+    rule: FlowRule
+    k: float
+    last: float
+    least: float = math.inf
+    most_growth: float = math.inf
+
+    def after_success(self, corrections: int, is_nearly_at_rest: bool) -> "ViscosityControl":
+        """Return the control after a time step that was solved."""
+        if self.k == 0:
+            return self
+        less = self.k / min(self.rule.growth_after(corrections), self.most_growth)
+        is_tried = is_nearly_at_rest and less < self.least
+        is_easy = corrections <= self.rule.easy
+        growth = self.most_growth * (self.rule.quick_recovery if is_easy else self.rule.recovery)
+        return replace(self, k=0.0 if is_tried else less, last=less, most_growth=growth)
+
+    def after_part(self, is_nearer: bool) -> "ViscosityControl":
+        """Return the control after a time step that went downhill, but was not solved."""
+        return self if self.k > 0 or is_nearer else self._with_viscosity()
+
+    def after_failure(self, modes: int) -> "ViscosityControl":
+        """Return the control after a time step that did not go downhill.
+
+        Parameters
+        ----------
+        modes : int
+            Unstable modes of its tangent; several need much more viscosity.
+        """
+        if self.k == 0:
+            return self._with_viscosity()
+        more = self.k * (self.rule.cut_many if modes > 2 else self.rule.cut)
+        return replace(self, k=more, last=more, most_growth=self.rule.growth_after_cut)
+
+    def _with_viscosity(self) -> "ViscosityControl":
+        return replace(self, k=self.last, least=self.last / self.rule.retry)
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """A state of the flow, its energy, J, and the norm of its residual, N."""
+
     state: State
-    effort: Effort
-    force: float | None = None
-    factors: Factors | None = None
+    energy: float
+    residual: float
+
+    @classmethod
+    def at(cls, state: State, balance: PressureBalance, newton: Newton) -> "_Place":
+        return cls(state, balance.energy(state), newton.residual_norm(state))
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """A time step, as far as it came.
+
+    Parameters
+    ----------
+    modes : int
+        Unstable modes of its tangent.
+    outcome : NewtonOutcome or None
+        Its solution; None if the tangent is not stable.
+    end : _Place or None
+        Where it ended; None if the tangent is not stable.
+    force, work : float
+        Norm of the viscous force at its end, N, and what the viscosity took, J.
+    """
+
+    modes: int
+    outcome: NewtonOutcome | None = None
+    end: _Place | None = None
+    force: float = 0.0
+    work: float = 0.0
 
 
 class GradientFlow:
@@ -95,6 +221,7 @@ class GradientFlow:
     ) -> None:
         self._newton, self._first = newton, first_viscosity
         self._rule = FlowRule() if rule is None else rule
+        self._energy = CondensedEnergy(newton)
 
     def flow_to_equilibrium(
         self, start: State, tolerance: float, reference: float, *, step_limit: int | None = None
@@ -112,53 +239,61 @@ class GradientFlow:
         step_limit : int, optional
             Less than that of the rule.
         """
-        rule, state = self._rule, start
+        rule, effort = self._rule, Effort()
         limit = min(rule.step_limit, rule.step_limit if step_limit is None else step_limit)
-        effort, k, growth, force_before = Effort(), self._first, rule.growth, np.inf
-        factors: Factors | None = None
-        while effort.flow_steps < limit and k <= rule.stiffest * self._first:
-            step = self._take_step(state, k, tolerance, factors)
-            state, effort, factors = step.state, effort + step.effort, step.factors
-            if step.force is None:
-                k, growth = k * rule.cut, rule.growth_after_cut
-                continue
-            k /= growth
-            if step.force < min(force_before, rule.slow * reference):
-                rest, _ = self._solve_if_stable(state, tolerance, factors)
-                effort, factors = effort + Effort(rest.iterations), None
-                if rest.converged:
-                    return FlowOutcome(rest.state, rest, effort)
-                if step.force == 0:  # at rest in an unstable equilibrium: it would stay for ever
-                    break
-            force_before = step.force
-        return FlowOutcome(state, None, effort)
+        control = ViscosityControl(rule, self._first, self._first)
+        with self._energy.at_present_loads() as balance:
+            here = _Place.at(start, balance, self._newton)
+            while effort.flow_steps < limit and control.k <= rule.stiffest * self._first:
+                step = self._take_step(here, control.k, tolerance, balance)
+                effort += Effort(1, flow_steps=1)
+                outcome, end = step.outcome, step.end
+                if outcome is None or end is None or not self._went_down(here, end, step.work):
+                    control = control.after_failure(step.modes)
+                    continue
+                effort += Effort(dissipated=step.work)
+                if control.k > 0 and outcome.corrections == 0:
+                    break  # at rest in an unstable equilibrium: it would stay for ever
+                if control.k == 0 and outcome.converged:
+                    return self._end(outcome, effort)
+                if outcome.converged:
+                    is_slow = step.force < rule.slow * reference
+                    control = control.after_success(outcome.corrections, is_slow)
+                else:
+                    control = control.after_part(end.residual < here.residual / 2)
+                here = end
+        return FlowOutcome(here.state, None, effort)
 
     def _take_step(
-        self, state: State, k: float, tolerance: float, factors: Factors | None
+        self, here: _Place, k: float, tolerance: float, balance: PressureBalance
     ) -> _Step:
-        """Take one time step, at first with the factors of the step before; stay if it fails."""
-        accuracy = self._rule.step_accuracy * max(tolerance, self._newton.residual_norm(state))
-        with self._newton.slow_down(k, state) as viscosity:
-            outcome, last = self._solve_if_stable(state, accuracy, factors)
-            effort = Effort(outcome.iterations, flow_steps=1)
-            if not outcome.converged:
-                return _Step(state, effort)
-            force, work = viscosity.norm_and_work(outcome.state)
-        return _Step(outcome.state, replace(effort, dissipated=work), force, last)
+        """Take one time step, with one factorisation."""
+        with ExitStack() as stack:
+            viscosity = stack.enter_context(self._newton.slow_down(k, here.state)) if k else None
+            factors = self._newton.factorise(here.state)
+            modes = unstable_modes(factors, self._newton.solid.number_of_pressures)
+            if factors.failure or modes > 0:
+                return _Step(modes)
+            outcome = self._newton.solve(
+                here.state,
+                self._rule.step_accuracy * here.residual if k else tolerance,
+                factors,
+                iteration_limit=0,
+                rule=self._rule.corrections,
+            )
+            held_back = (0.0, 0.0)
+            if viscosity is not None:
+                held_back = viscosity.norm_and_work(outcome.state)
+        end = _Place.at(outcome.state, balance, self._newton)
+        return _Step(modes, outcome, end, *held_back)
 
-    def _solve_if_stable(
-        self, guess: State, tolerance: float, factors: Factors | None
-    ) -> tuple[NewtonOutcome, Factors | None]:
-        """Solve; a solution whose tangent has an unstable mode has not converged.
+    def _went_down(self, here: _Place, there: _Place, work: float) -> bool:
+        """Whether the energy fell by what the viscosity has taken at least; NaN did not."""
+        noise = self._rule.energy_noise * abs(here.energy)
+        return there.energy + work / 2 <= here.energy + noise
 
-        A factorisation that does not show the modes (-1) counts as stable. The factors of the
-        solution are good for the next time step, too.
-        """
-        outcome = self._newton.solve(guess, tolerance, factors)
-        if not outcome.converged:
-            return outcome, None
-        last = self._newton.factorise(outcome.state)
-        unstable = unstable_modes(last, self._newton.solid.number_of_pressures)
-        if unstable > 0:
-            return replace(outcome, converged=False, reason=f"{unstable} unstable modes"), None
-        return outcome, last
+    def _end(self, outcome: NewtonOutcome, effort: Effort) -> FlowOutcome:
+        """Return the outcome at rest, where the flow ends even if it is not stable."""
+        with self._newton.factorise(outcome.state) as factors:
+            modes = unstable_modes(factors, self._newton.solid.number_of_pressures)
+        return FlowOutcome(outcome.state, None if modes > 0 else outcome, effort)

@@ -48,8 +48,8 @@ class GuideRule:
     relaxed_residual: float = 0.1
     far_from_guess: float = 0.5
     longest_way: float = LONGEST_WAY
-    iteration_limit: int = 20
-    flow_steps: int = 14
+    iteration_limit: int = 6
+    flow_steps: int = 60
 
 
 class Guide:
@@ -144,14 +144,15 @@ class Guide:
             outcome = self._solve(guess, accepted)
             effort += Effort(outcome.iterations)
         if outcome is None or not outcome.converged:
-            relaxed = self._relax_guess(guess, self._rule.relaxed_residual * reference)
-            guess = relaxed.state
-            outcome = self._solve(guess, accepted)
-            effort += Effort(relaxed.iterations + outcome.iterations)
+            relaxed, iterations = self._relax(there, guess, reference)
+            effort += Effort(iterations)
+            guess, outcome = relaxed.state, relaxed
+            if relaxed.converged:
+                outcome = self._solve(guess, accepted)
+                effort += Effort(outcome.iterations)
         self._guess = guess
         if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
-            self.reject_shape(there, "another branch")
-            return replace(outcome, converged=False, reason="another branch"), effort
+            outcome = replace(outcome, converged=False, reason="another branch")
         if outcome.converged:
             return outcome, effort
         if not np.isfinite(self._newton.residual_norm(guess)):
@@ -160,6 +161,21 @@ class Guide:
         flowed = self.flow_from_shape(there, accepted, reference, outcome.reason)
         effort += flowed.effort
         return (outcome if flowed.equilibrium is None else flowed.equilibrium), effort
+
+    def _relax(self, there: float, guess: State, reference: float) -> tuple[NewtonOutcome, int]:
+        """Return a guess relaxed with its surface held, and the iterations that this took.
+
+        If that fails, the defect is no good, and the shape alone is relaxed. If that fails, too,
+        the shape is returned as it is, from which Newton's method need not be tried.
+        """
+        tolerance = self._rule.relaxed_residual * reference
+        relaxed = self._relax_guess(guess, tolerance)
+        if relaxed.converged:
+            return relaxed, relaxed.iterations
+        shape = self._state_at(there)
+        alone = self._relax_guess(shape, tolerance)
+        iterations = relaxed.iterations + alone.iterations
+        return (alone if alone.converged else replace(alone, state=shape)), iterations
 
     def _solve(self, guess: State, accepted: float) -> NewtonOutcome:
         return self._newton.solve(guess, accepted, iteration_limit=self._rule.iteration_limit)

@@ -30,6 +30,7 @@ def relax_guess(
     guess: State,
     tolerance: float,
     *,
+    iteration_limit: int = 20,
     options: str = "",
     stopwatch: Stopwatch | None = None,
 ) -> NewtonOutcome:
@@ -41,7 +42,13 @@ def relax_guess(
         )
         for axis in range(3)
     ]
-    with Newton(solid, [*held, *surface], options=options, stopwatch=stopwatch) as newton:
+    with Newton(
+        solid,
+        [*held, *surface],
+        iteration_limit=iteration_limit,
+        options=options,
+        stopwatch=stopwatch,
+    ) as newton:
         return newton.solve(guess, tolerance)
 
 

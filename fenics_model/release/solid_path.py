@@ -51,6 +51,9 @@ Array = NDArray[np.float64]
 REFERENCE_STRETCH = (1.001, 1.001)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
 
+RELAXING_ITERATIONS = 4
+"""Of a guess with its surface held; one that needs more is no good."""
+
 FIRST_DISTANCE = 0.1
 """Of the walk off an unstable milestone, over the carrier's thickness."""
 
@@ -222,6 +225,7 @@ class SolidPath:
             relax_guess,
             solid,
             solid.absent_pressures(),
+            iteration_limit=RELAXING_ITERATIONS,
             options=self.body.settings.petsc_options,
             stopwatch=self._newton.stopwatch,
         )

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from bilayer.runtime.termination import PutOff, signals_put_off
+from bilayer.runtime.time_limit import check_time, time_is_up
 from fenics_model.plain_options import PREFIX
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
@@ -128,6 +129,8 @@ class Newton:
     ----------
     layout : Layout
         Of the dofs.
+    held : list of dolfinx.fem.DirichletBC
+        Constraints.
     stopwatch : Stopwatch
         As handed in.
     """
@@ -144,7 +147,7 @@ class Newton:
         tell: Callable[[str], None] = lambda doing: None,
     ) -> None:
         self.solid, self.layout = solid, Layout(solid.space)
-        self._held = list(held)
+        self.held = list(held)
         self._iteration_limit = iteration_limit
         self._rule = CorrectionRule() if rule is None else rule
         self._tell = tell
@@ -159,7 +162,7 @@ class Newton:
     def _create(self, stack: ExitStack) -> None:
         """Make what PETSc solves with; the stack frees it."""
         self._r = self.layout.create_vector()
-        self._matrix = create_tangent_matrix(self.solid.coupling, self._held)
+        self._matrix = create_tangent_matrix(self.solid.coupling, self.held)
         self._ksp = PETSc.KSP().create(self.layout.comm)
         for made in (self._r, self._matrix, self._ksp):
             stack.callback(made.destroy)
@@ -190,6 +193,7 @@ class Newton:
         factors: Factors | None = None,
         *,
         iteration_limit: int | None = None,
+        rule: CorrectionRule | None = None,
     ) -> NewtonOutcome:
         """Iterate from a guess until the norm of the residual falls to `tolerance`.
 
@@ -203,13 +207,17 @@ class Newton:
             Of a tangent near the guess, for the first corrections; this solver made them last.
         iteration_limit : int, optional
             Instead of the solver's own.
+        rule : CorrectionRule, optional
+            Instead of the solver's own.
         """
+        rule = self._rule if rule is None else rule
         if factors is None:
             self._take_factors_back()
         self.solid.tangent.reset_extrapolation()
         with signals_put_off() as signals, self.stopwatch.time_solution():
             limit = self._iteration_limit if iteration_limit is None else iteration_limit
-            return self._iterate(Iterate.begin(self, guess), tolerance, factors, limit, signals)
+            begin = Iterate.begin(self, guess)
+            return self._iterate(begin, tolerance, factors, limit, rule, signals)
 
     def _iterate(
         self,
@@ -217,13 +225,14 @@ class Newton:
         tolerance: float,
         factors: Factors | None,
         limit: int,
+        rule: CorrectionRule,
         signals: PutOff,
     ) -> NewtonOutcome:
         """Correct, with a new factor when one is due."""
         iterations, corrections, length, reason = 0, 0, 0.0, ""
-        bound = self._rule.growth_limit * here.norm
-        mixing = AndersonMixing(self.layout.dot, self._rule.history)
-        progress = Progress(self._rule, here.norm, tolerance)
+        bound = rule.growth_limit * here.norm
+        mixing = AndersonMixing(self.layout.dot, rule.history)
+        progress = Progress(rule, here.norm, tolerance)
         if not math.isfinite(here.norm):
             reason = _INSIDE_OUT
         while here.norm > tolerance and not reason:
@@ -234,15 +243,15 @@ class Newton:
                 iterations += 1
                 self._tell(self._describe(iterations, here.norm / tolerance))
                 factors = self._factorise(here.state)
-                mixing = AndersonMixing(self.layout.dot, self._rule.history)
-                progress = Progress(self._rule, here.norm, tolerance)
+                mixing = AndersonMixing(self.layout.dot, rule.history)
+                progress = Progress(rule, here.norm, tolerance)
             reason = factors.failure
             if reason:
                 break
             corrections += 1
             self.stopwatch.count_correction()
             step = mixing.step(here.state, factors.solve(here.residual))
-            there = here.moved(step, self._rule.halvings)
+            there = here.moved(step, rule.halvings)
             if there is None:
                 reason = _INSIDE_OUT
                 break
@@ -274,6 +283,7 @@ class Newton:
             return self._factorise(state)
 
     def _factorise(self, state: State) -> Factors:
+        check_time(bool(self.layout.comm.allreduce(time_is_up(), op=MPI.LOR)))
         self._take_factors_back()
         factors = self._ksp.getPC()
         if factors.getFailedReason():
@@ -298,7 +308,7 @@ class Newton:
     @cached_property
     def held_dofs(self) -> NDArray[np.int32]:
         """Dofs of this rank that are held, its ghosts included."""
-        return np.unique(np.concatenate([c.dof_indices()[0] for c in self._held] or [[]])).astype(
+        return np.unique(np.concatenate([c.dof_indices()[0] for c in self.held] or [[]])).astype(
             np.int32
         )
 
@@ -317,13 +327,17 @@ class Newton:
         """Return the norm of the residual of a state."""
         return self.layout.norm(self.residual(state))
 
+    def potential_energy(self, state: State) -> float:
+        """Return the potential energy whose derivative the residual is, J."""
+        return self.solid.potential_energy(state)
+
     @cached_property
     def mass(self) -> AssembledMatrix:
         """The displacements' mass matrix M at unit density, m3, zero for pressures and held dofs.
 
         It is assembled when first needed, which is seldom.
         """
-        mass = AssembledMatrix(self.solid.mass(), self._held, self.layout)
+        mass = AssembledMatrix(self.solid.mass(), self.held, self.layout)
         self._resources.callback(mass.close)
         return mass
 
@@ -339,7 +353,7 @@ class Newton:
     def _go_to(self, state: State) -> None:
         """Evaluate at a state; its held dofs get their values, so that no correction is due."""
         self.solid.move_to(state)
-        for condition in self._held:
+        for condition in self.held:
             condition.set(self.solid.unknown.x.array)
         self.solid.unknown.x.scatter_forward()
 
@@ -349,7 +363,7 @@ class Newton:
         with self.stopwatch.time_assembly():
             fem_petsc.assemble_vector(r, self.solid.residual)
         r.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-        for condition in self._held:
+        for condition in self.held:
             dofs, owned = condition.dof_indices()
             r.array[dofs[:owned]] = 0.0
 
@@ -358,7 +372,7 @@ class Newton:
         matrix.zeroEntries()
         self.solid.tangent.move_linearisation_point()
         with self.stopwatch.time_assembly():
-            fem_petsc.assemble_matrix(matrix, self.solid.tangent.form, self._held)
+            fem_petsc.assemble_matrix(matrix, self.solid.tangent.form, self.held)
             matrix.assemble()
         self.stopwatch.count_factorisation()
         if self._viscosity is not None:
