@@ -101,11 +101,24 @@ def test_straight_to_a_milestone_in_few_iterations(stepped, mesh):
 
 
 @needs_dolfinx
-def test_a_shape_on_another_branch_leads_nowhere(shell, stepped, mesh):
-    """The mirror image bends the wrong way; then the disc is stepped there."""
+def test_from_a_shape_on_another_branch_the_disc_flows(shell, stepped, mesh):
+    """The mirror image bends the wrong way; from there the disc snaps."""
     mirrored = shell.copy(deep=True)
     mirrored["position"] = mirrored["position"] * [1, 1, -1]
     led = solve(COARSE.with_milestones([1.03]), "fenics", mesh=mesh, start=mirrored)
+    assert led["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
+    assert led["stabilised_steps"].values[0] > 0
+    assert led["dissipated_energy"].values[0] > 0
+    assert led["load_steps"].values[0] == 1
+
+
+@needs_dolfinx
+def test_a_shape_that_leads_nowhere_is_followed_by_load_steps(shell, stepped, mesh):
+    """Without the flow a mirror image leads nowhere; the result says so."""
+    mirrored = shell.copy(deep=True)
+    mirrored["position"] = mirrored["position"] * [1, 1, -1]
+    settings = SolidSettings(flow_steps=0)
+    led = solve(COARSE.with_milestones([1.03]), "fenics", settings, mesh=mesh, start=mirrored)
     assert led["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
     assert led["load_steps"].values[0] > 1
     assert "; not followed to 1.03 (" in led.attrs["start"]
