@@ -19,6 +19,9 @@ if not {"netCDF4", "h5py"} & set(sys.modules):  # what is loaded has read it alr
 if TYPE_CHECKING:
     from bilayer.cutting.files import write_cut_files
     from bilayer.errors import BilayerError, ComputationError, InputError
+    from bilayer.exports.conversion import convert, convert_milestones
+    from bilayer.exports.series import convert_series
+    from bilayer.exports.solid import convert_solid
     from bilayer.figures import (
         draw_birds_eye,
         draw_comparison,
@@ -38,13 +41,13 @@ if TYPE_CHECKING:
     from bilayer.mesh.planar import PlanarMesh
     from bilayer.mesh.planar_files import read_planar_mesh, write_planar_mesh
     from bilayer.results.comparison import compare
-    from bilayer.results.conversion import convert, convert_milestones
     from bilayer.results.files import open_result, write_result
     from bilayer.results.schema import result_mesh, result_specimen
     from bilayer.runtime.version import __version__
     from bilayer.scan.cloud import Cloud, read_cloud
     from bilayer.scan.comparison import compare_scan
     from bilayer.solvers.between import solve_between
+    from bilayer.solvers.fields import fields
     from bilayer.solvers.registry import follow, solve
     from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.load import Load
@@ -108,13 +111,16 @@ _MODULES = {
     "bilayer.mesh.planar": ("PlanarMesh",),
     "bilayer.mesh.planar_files": ("read_planar_mesh", "write_planar_mesh"),
     "bilayer.results.comparison": ("compare",),
-    "bilayer.results.conversion": ("convert", "convert_milestones"),
+    "bilayer.exports.conversion": ("convert", "convert_milestones"),
+    "bilayer.exports.series": ("convert_series",),
+    "bilayer.exports.solid": ("convert_solid",),
     "bilayer.results.files": ("open_result", "write_result"),
     "bilayer.results.schema": ("result_mesh", "result_specimen"),
     "bilayer.runtime.version": ("__version__",),
     "bilayer.scan.cloud": ("Cloud", "read_cloud"),
     "bilayer.scan.comparison": ("compare_scan",),
     "bilayer.solvers.between": ("solve_between",),
+    "bilayer.solvers.fields": ("fields",),
     "bilayer.solvers.registry": ("follow", "solve"),
     "bilayer.specimen.materials": (
         "ArrudaBoyce",

@@ -75,6 +75,7 @@ SOLVER = Solver(
     bytes_per_triangle=lambda specimen, settings: BYTES_PER_TRIANGLE,
     default_start="flat",
     open_path=open_path,
+    has_layers=lambda settings: isinstance(settings, MorleySettings),
     takes_neighbours=_takes_neighbours,
 )
 """This package, as the registry finds it."""

@@ -25,6 +25,8 @@ FLOORS = {
         ["contact"],
         ["measures"],
         ["results"],
+        ["mechanics"],
+        ["exports"],
         ["scan"],
         ["solvers"],
         ["calculix"],

@@ -13,6 +13,7 @@ from bilayer.fitting.report import comparison_table, fit_record, fit_report
 from bilayer.runtime.terminal import say, say_json
 from bilayer.specimen.layer import layer_name
 from bilayer.specimen.materials.stability import LOADINGS
+from bilayer.specimen.units import in_si
 from bilayer.validation import positive
 
 ALL = "all"
@@ -42,6 +43,15 @@ def add(verbs: Any) -> None:
     verb.add_argument("--stretch-column", metavar="NAME", help="where its name does not say it")
     verb.add_argument("--stress-column", metavar="NAME", help="where its name does not say it")
     verb.add_argument("--name", default="fitted", help="of the material in the printed table")
+    verb.add_argument(
+        "--relaxation", metavar="FILE.csv",
+        help="a relaxation test, stress over time: its Prony series instead of a law",
+    )  # fmt: skip
+    verb.add_argument("--terms", type=int, metavar="N", help="of it (default: as AICc says)")
+    verb.add_argument(
+        "--ramp", default="0 s", metavar="T", help="time in which its stretch was reached"
+    )
+    verb.add_argument("--time-column", metavar="NAME", help="where its name does not say it")
     verb.add_argument("-o", "--output", metavar="FILE.png", help="draw the fit")
     add_json_argument(verb)
 
@@ -53,6 +63,8 @@ def run(options: argparse.Namespace) -> int:
 
         check_output(options, check_figure_output)
     name = layer_name("--name", options.name)
+    if options.relaxation is not None:
+        return _fit_relaxation(options, name)
     measurements = _measurements(options)
     if options.law == ALL:
         fits = _fits(measurements, options)
@@ -67,6 +79,40 @@ def run(options: argparse.Namespace) -> int:
 
         save_figure(draw_fits(fits), options.output)
     return 0
+
+
+def _fit_relaxation(options: argparse.Namespace, name: str) -> int:
+    """Fit a Prony series; return the exit status."""
+    from bilayer.fitting.relaxation import (
+        fit_relaxation,
+        read_relaxation,
+        relaxation_record,
+        relaxation_report,
+    )
+
+    if options.tests or any(getattr(options, loading) for loading in LOADINGS):
+        raise InputError("--relaxation: a test of its own, expected no other tests beside it")
+    ramp = in_si("--ramp", {"ramp": _time(options.ramp)}, {"ramp": "s"})["ramp"]
+    test = read_relaxation(options.relaxation, options.time_column, options.stress_column)
+    found = fit_relaxation(test, options.terms, ramp)
+    if options.json:
+        say_json(relaxation_record(found))
+    else:
+        say(relaxation_report(found, name))
+    if options.output is not None:
+        from bilayer.figures import save_figure  # matplotlib takes half a second
+        from bilayer.figures.relaxation import draw_relaxation
+
+        save_figure(draw_relaxation(found), options.output)
+    return 0
+
+
+def _time(word: str) -> Any:
+    """Return a number of seconds, or a text with a unit."""
+    try:
+        return float(word)
+    except ValueError:
+        return word
 
 
 def _show(

@@ -3,10 +3,12 @@
 import argparse
 from typing import Any
 
+from bilayer.cli.fields import add_field_argument, scalar_fields
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
 from bilayer.results.files import open_result
+from bilayer.results.milestones import choose_milestones
 
 
 def add(verbs: Any) -> None:
@@ -29,6 +31,7 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "-o", "--output", required=True, metavar="FIGURE", help="the picture: .png, .pdf, .svg, ..."
     )
+    add_field_argument(verb, "colour the shapes by a field")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -37,12 +40,15 @@ def run(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import check_figure_output
 
     check_output(options, check_figure_output)
-    milestones = None
+    if len(options.field) > 1:
+        raise InputError(f"--field: {len(options.field)} are given, expected one")
+    result = open_result(options.result)
     if options.prestretch is not None:
         milestones = [number("--prestretch", word) for word in options.prestretch]
+        result = choose_milestones(result, milestones)
     views = [view_argument(word) for word in options.view]
-    figure = draw_shapes(open_result(options.result), views=views, milestones=milestones)
-    save_figure(figure, options.output)
+    field = next(iter(scalar_fields(result, options.field, options)), None)
+    save_figure(draw_shapes(result, views=views, field=field), options.output)
     return 0
 
 

@@ -5,6 +5,7 @@ import webbrowser
 from pathlib import Path
 from typing import Any
 
+from bilayer.cli.fields import add_field_argument, scalar_fields
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.errors import InputError
@@ -24,6 +25,7 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "-o", "--output", metavar="FILE.html", help="the page (default: FILE.html beside FILE.nc)"
     )
+    add_field_argument(verb, "offer a field as colour (as often as wanted)")
     verb.add_argument("--no-open", action="store_true", help="write it, do not open a browser")
 
 
@@ -38,7 +40,8 @@ def run(options: argparse.Namespace) -> int:
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"page {output}: expected a name in .html")
     other = None if options.other is None else open_result(options.other)
-    view(result, other, Path(options.result).stem).save(output)
+    coloured = scalar_fields(result, options.field, options)
+    view(result, other, Path(options.result).stem, coloured).save(output)
     if not options.quiet:
         say(one_line(output))
     if not options.no_open:

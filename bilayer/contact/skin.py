@@ -121,13 +121,17 @@ def skin_of(body: BondedBody, reference: Surface) -> Skin:
     reference : Surface
         The released reference surface.
     """
+    triangles, face = skin_triangles(body)
+    return Skin(Surface(np.concatenate(side_points(body, reference)), triangles), face)
+
+
+def side_points(body: BondedBody, reference: Surface) -> list[Array]:
+    """Return the nodes on the reference surface and on each of `sides_of`, m, (n, 3) each."""
     surfaces = [reference.points]
-    sides, _ = sides_of(body)
-    for side in sides:
+    for side in sides_of(body)[0]:
         base = surfaces[side.base]
         surfaces.append(base + _fibres(body.mesh, base, side.faces, side.rise))
-    triangles, face = skin_triangles(body)
-    return Skin(Surface(np.concatenate(surfaces), triangles), face)
+    return surfaces
 
 
 def skin_triangles(body: BondedBody) -> tuple[Indices, Indices]:

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import TriMesh
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
@@ -23,8 +24,9 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.result_looks import result_name
-from bilayer.figures.style import axes_for, new_figure, print_style
+from bilayer.figures.style import axes_for, label_text, new_figure, print_style
 from bilayer.geometry.surface import Surface
+from bilayer.mechanics.selection import ScalarField
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.comparison import result_label
 from bilayer.results.milestones import along_milestones, choose_milestones
@@ -41,8 +43,20 @@ LIGHT = np.array([-0.45, 0.45, 0.77])
 """Direction to the light as (right, up, toward the eye): over the left shoulder of the reader."""
 UNDERSIDE = 0.45
 """Share of white in the colours of the lower side of the sheet."""
+CUT_OFF = 0.005
+"""Share of the faces at either end of a field's scale that take the colour of the end."""
+NO_VALUE = "#DDDDDD"
+"""Of faces where a field has no number."""
 TRIAD = 10.0
 """Length of the axes drawn in an isometric view, mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Paint:
+    """The colour of each triangle, (m, 3) from 0 to 1; on the lower side so much paler."""
+
+    colours: Array
+    paler: float = UNDERSIDE
 
 
 @dataclass(frozen=True)
@@ -82,6 +96,7 @@ def draw_shapes(
     *,
     views: Sequence[str | tuple[float, float]] = ("isometric", "above"),
     milestones: Sequence[float] | None = None,
+    field: ScalarField | None = None,
 ) -> Figure:
     """Draw the milestones of a result in some views, one view below the other.
 
@@ -94,13 +109,16 @@ def draw_shapes(
         looks along -x, (-90, 0) along y.
     milestones : sequence of float, optional
         Prestretches of those that are drawn; all if left out.
+    field : ScalarField, optional
+        Colours the faces, with one scale for all shapes; without it, the layers do. It has a row
+        for each milestone of the result, see `bilayer.mechanics.selection.scalar_field`.
 
     Raises
     ------
     InputError
         The result holds no shape, or has no such milestone.
     """
-    return _draw_views(result, [view_of(view) for view in views], milestones)
+    return _draw_views(result, [view_of(view) for view in views], milestones, field)
 
 
 def draw_shape(
@@ -137,7 +155,7 @@ def draw_shape(
 
 def draw_frame(axes: Axes, shape: Shape, mesh: PlanarMesh, view: View, frame: Array) -> None:
     """Draw one shape in axes that `frame_of` bounds, with directions and scale beside it."""
-    _draw_shape(axes, shape, _face_colours(mesh), view, frame)
+    _draw_shape(axes, shape, Paint(_face_colours(mesh)), view, frame)
     _draw_triad(np.array([[axes]]), view, frame)
 
 
@@ -163,10 +181,14 @@ def view_of(view: str | tuple[float, float]) -> View:
 
 
 def _draw_views(
-    result: xr.Dataset, views: Sequence[View], milestones: Sequence[float] | None = None
+    result: xr.Dataset,
+    views: Sequence[View],
+    milestones: Sequence[float] | None = None,
+    field: ScalarField | None = None,
 ) -> Figure:
     """Stack the views, each a grid of panels, under one legend."""
     result = along_milestones(result)
+    result = result.assign_coords(row=("prestretch", np.arange(result.sizes["prestretch"])))
     if milestones is not None:
         result = choose_milestones(result, milestones)
     mesh = result_mesh(result)
@@ -174,17 +196,22 @@ def _draw_views(
     rows, columns = math.ceil(len(shapes) / COLUMNS), min(len(shapes), COLUMNS)
     frames = [frame_of(view, shapes) for view in views]
     heights = [rows * (PANEL_WIDTH * up / right + 0.25) + 0.25 for right, up in map(_size, frames)]
+    top = 0.5 if field is None else 0.7  # a scale takes more room than the names of the layers
     with print_style():
-        figure = new_figure(max(PANEL_WIDTH * columns + 0.4, 3.4), sum(heights) + 0.5)
+        figure = new_figure(max(PANEL_WIDTH * columns + 0.4, 3.4), sum(heights) + top)
         legend, *parts = figure.subfigures(
-            1 + len(views), 1, height_ratios=[0.5, *heights], squeeze=False
+            1 + len(views), 1, height_ratios=[top, *heights], squeeze=False
         )[:, 0]
-        _draw_legend(legend, result, mesh)
-        colours = _face_colours(mesh)
+        if field is None:
+            _draw_legend(legend, result, mesh)
+            paints = [Paint(_face_colours(mesh))] * len(shapes)
+        else:
+            rows_shown = result["row"].values[[shape.milestone for shape in shapes]]
+            paints = _field_paints(legend, result, mesh, field, rows_shown)
         for view, frame, part in zip(views, frames, parts, strict=True):
             panels = part.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-            for axes, shape in zip(panels.flat, shapes, strict=False):
-                _draw_shape(axes, shape, colours, view, frame)
+            for axes, shape, paint in zip(panels.flat, shapes, paints, strict=False):
+                _draw_shape(axes, shape, paint, view, frame)
             for axes in panels.flat[len(shapes) :]:
                 axes.set_visible(False)
             if view is BIRDS_EYE:
@@ -206,14 +233,14 @@ def _size(frame: Array) -> Array:
     return frame[1] - frame[0]
 
 
-def _draw_shape(axes: Axes, shape: Shape, colour: Array, view: View, frame: Array) -> None:
+def _draw_shape(axes: Axes, shape: Shape, paint: Paint, view: View, frame: Array) -> None:
     """Draw the triangles from the farthest to the nearest, each with a colour for each corner."""
     seen = view.project(shape.surface.corners)
     order = np.argsort(seen[:, :, 2].mean(axis=1))
     corners = seen[order, :, :2].reshape(-1, 2)
     triangles = np.arange(len(corners)).reshape(-1, 3)
     drawn = TriMesh(Triangulation(corners[:, 0], corners[:, 1], triangles), rasterized=True)
-    shades: Any = _shaded(shape.surface, colour, view)[order].reshape(-1, 3)
+    shades: Any = _shaded(shape.surface, paint.colours, view, paint.paler)[order].reshape(-1, 3)
     drawn.set_facecolor(shades)
     axes.add_collection(drawn)
     axes.set(xlim=frame[:, 0], ylim=frame[:, 1], aspect="equal")
@@ -267,12 +294,43 @@ def _face_colours(mesh: PlanarMesh) -> Array:
     return np.array(palette)[mesh.region]
 
 
-def _shaded(surface: Surface, base: Array, view: View) -> Array:
+def _field_paints(
+    figure: SubFigure,
+    result: xr.Dataset,
+    mesh: PlanarMesh,
+    field: ScalarField,
+    rows: NDArray[np.int64],
+) -> list[Paint]:
+    """Draw the scale of a field; return the colours of some of its rows."""
+    values = field.on_faces(mesh)[rows]
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        raise InputError(f"field = {field.name!r}: has no number at any milestone")
+    low, high = np.quantile(known, [CUT_OFF, 1 - CUT_OFF])
+    both_signs = low < 0 < high
+    if both_signs:
+        low, high = -max(-low, high), max(-low, high)
+    scale = ScalarMappable(Normalize(low, high), "RdBu_r" if both_signs else "viridis")
+    figure.suptitle(result_name(result_label(result)), y=0.98, fontsize=8)
+    bar = figure.add_axes((0.25, 0.55, 0.5, 0.13))
+    figure.colorbar(scale, cax=bar, orientation="horizontal", extend="both")
+    bar.set_xlabel(label_text(field.label), fontsize=8, labelpad=1)
+    nowhere = np.array(to_rgb(NO_VALUE))
+    return [
+        Paint(
+            np.where(np.isfinite(row)[:, None], scale.to_rgba(np.nan_to_num(row))[:, :3], nowhere),
+            paler=0.0,
+        )
+        for row in values
+    ]
+
+
+def _shaded(surface: Surface, base: Array, view: View, paler: float = UNDERSIDE) -> Array:
     """Return the colour of each corner of each triangle, (m, 3, 3): triangle, corner, red to blue.
 
     The normal of a corner is that of the surface at its node, turned to the eye: the side that is
-    seen is the one that is lit. The lower side of the sheet is paler. Half Lambert shading keeps
-    the parts away from the light apart, too.
+    seen is the one that is lit. The lower side of the sheet may be paler. Half Lambert shading
+    keeps the parts away from the light apart, too.
     """
     own = view.project(surface.area_vectors / surface.areas[:, None])
     normals = view.project(_node_normals(surface))[surface.triangles]
@@ -280,8 +338,8 @@ def _shaded(surface: Surface, base: Array, view: View) -> Array:
     turned = normals * np.where(is_upper, 1.0, -1.0)[:, None, None]
     toward_light = turned @ (LIGHT / np.linalg.norm(LIGHT))
     shade = 0.35 + 0.65 * ((1 + toward_light) / 2) ** 1.5
-    paint = np.where(is_upper[:, None], base, base + UNDERSIDE * (1 - base))
-    return paint[:, None, :] * shade[:, :, None]
+    colours = np.where(is_upper[:, None], base, base + paler * (1 - base))
+    return colours[:, None, :] * shade[:, :, None]
 
 
 def _node_normals(surface: Surface) -> Array:

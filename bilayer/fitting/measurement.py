@@ -89,21 +89,21 @@ def read_measurement(
         The file cannot be read, or a column is not found.
     """
     source = Path(path)
-    names, table = _table(source)
-    stretch_name = _chosen(
+    names, table = read_table(source)
+    stretch_name = chosen_column(
         source, names, stretch_column, (*STRETCH_WORDS, *STRAIN_WORDS), "stretch"
     )
-    stress_name = _chosen(source, names, stress_column, STRESS_WORDS, "stress")
+    stress_name = chosen_column(source, names, stress_column, STRESS_WORDS, "stress")
     stretch = table[:, names.index(stretch_name)]
     if _matches(stretch_name, STRAIN_WORDS):
         stretch = 1 + stretch / (100 if re.search(r"%|percent", stretch_name) else 1)
-    stress = table[:, names.index(stress_name)] * _unit_of(stress_name)
+    stress = table[:, names.index(stress_name)] * unit_of_stress(stress_name)
     if _matches(stress_name, TRUE_WORDS):
         stress = stress / stretch  # the volume is kept: the area shrinks by the stretch
     return Measurement(source.name, loading, stretch, stress)
 
 
-def _table(path: Path) -> tuple[list[str], NDArray[np.float64]]:
+def read_table(path: Path) -> tuple[list[str], NDArray[np.float64]]:
     """Return the names of the columns, and the numbers, shape (rows, columns)."""
     text = read_text(path, "table", largest=MOST_BYTES)
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
@@ -136,7 +136,7 @@ def _numbers(path: Path, line: int, row: list[str], count: int, separator: str) 
     return numbers
 
 
-def _chosen(
+def chosen_column(
     path: Path, names: Sequence[str], asked: str | None, words: Sequence[str], what: str
 ) -> str:
     """Return the name of the column that is asked for, or else of the one that has a word."""
@@ -166,7 +166,7 @@ def _matches(name: str, words: Sequence[str]) -> bool:
     return any(re.search(word, name.replace("_", " "), re.IGNORECASE) for word in words)
 
 
-def _unit_of(name: str) -> float:
+def unit_of_stress(name: str) -> float:
     """Return the unit at the end of a stress' name, Pa."""
     unit = re.search(r"(?:[_\s(\[/]|^)([kMG]?Pa|psi|bar|N/mm(?:\^?2|²))[)\]]?\s*$", name)
     if unit is None:

@@ -109,13 +109,19 @@ def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
-    import meshio
-
     check_mesh_output(path)
-    file_format = FORMATS.get(Path(path).suffix.lower())
     arrays = [mesh.points, *(block.data for block in mesh.cells), *mesh.point_data.values()]
     room = sum(np.asarray(array).nbytes for array in arrays) + HDF5_ROOM  # .xdmf has an .h5
-    with whole_file(path, "mesh file", room) as partial, _meshio_speaks_by_errors(path, "written"):
+    with whole_file(path, "mesh file", room) as partial:
+        write_mesh_data(mesh, partial, path)
+
+
+def write_mesh_data(mesh: "meshio.Mesh", partial: Path, path: str | Path | None = None) -> None:
+    """Write a mesh file within a block of `whole_file`; `path` is what messages call it."""
+    import meshio
+
+    file_format = FORMATS.get(partial.suffix.lower())
+    with _meshio_speaks_by_errors(partial if path is None else path, "written"):
         meshio.write(partial, mesh, file_format=file_format)
 
 

@@ -28,11 +28,14 @@ class Shape:
         What to know of it, such as where the path stopped; "" for nothing.
     surface : Surface
         In the body frame with the sheet's upper side up, mm.
+    milestone : int
+        Its place in the result.
     """
 
     title: str
     note: str
     surface: Surface
+    milestone: int = 0
 
 
 def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
@@ -63,7 +66,7 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
         if np.isfinite(position).all():
             upright = MM_PER_M * upright_frame(mesh, position).coordinates(position)
             title = f"λ = {stretch_text(pairs[k])}"
-            shapes.append(Shape(title, note, Surface(upright, mesh.triangles)))
+            shapes.append(Shape(title, note, Surface(upright, mesh.triangles), k))
     if not shapes:
         raise InputError(f"the result of {result_label(result)} holds no shape to draw")
     return shapes

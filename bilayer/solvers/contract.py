@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
 from bilayer.measures.milestone import Measures
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
 from bilayer.specimen.load import Milestone
@@ -179,6 +180,9 @@ class Equilibrium(PathPoint, Protocol):
     def save(self) -> Saved:
         """Return all that the path needs to go on from here, for `SpecimenPath.restore`."""
 
+    def layer_states(self) -> Sequence[LayerState]:
+        """Return the deformation of each layer, for its fields; none if the model has no layers."""
+
     def linearised(self) -> Linearised:
         """Return the equations linearised here."""
 
@@ -299,6 +303,8 @@ class Solver:
         One of `bilayer.solvers.registry.STARTS`.
     open_path : OpenPath
         Makes a path.
+    has_layers : callable
+        Returns whether a model, told by its settings, has `Equilibrium.layer_states`.
     takes_neighbours : callable
         Returns whether a run with some settings comes to the same states if a `Neighbour` starts
         it, with rare exceptions.
@@ -310,4 +316,5 @@ class Solver:
     bytes_per_triangle: Callable[[Specimen, Any], float]
     default_start: str
     open_path: OpenPath
+    has_layers: Callable[[Any], bool] = lambda settings: True
     takes_neighbours: Callable[[Any], bool] = lambda settings: False

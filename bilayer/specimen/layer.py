@@ -9,6 +9,7 @@ from bilayer.errors import InputError
 from bilayer.specimen.materials import Law
 from bilayer.specimen.pattern import Pattern
 from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_pair
+from bilayer.specimen.relaxation import ELASTIC, PronySeries
 from bilayer.validation import finite, keep, one_of, positive, text
 
 RESPONSES = ("none", "path", "fixed")
@@ -98,6 +99,8 @@ class Layer:
         Where on the sheet it lies; None: everywhere, a whole layer.
     response : Response
         What the prestretch does to it.
+    relaxation : PronySeries
+        How its stress relaxes; elastic if left out.
     """
 
     name: str
@@ -106,6 +109,7 @@ class Layer:
     density: float = 960.0
     pattern: Pattern | None = None
     response: Response = Response()
+    relaxation: PronySeries = ELASTIC
 
     def __post_init__(self) -> None:
         keep(self, layer_name, "name")

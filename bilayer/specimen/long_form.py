@@ -12,6 +12,7 @@ from bilayer.specimen.layer import Layer, Response, layer_name
 from bilayer.specimen.materials import Law, law_from_table, law_keys, law_to_table
 from bilayer.specimen.outline import OUTLINES, Disc, Outline
 from bilayer.specimen.pattern import PATTERNS, Pattern
+from bilayer.specimen.relaxation import PronySeries
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.tables import (
     COMMON,
@@ -34,6 +35,8 @@ LONG_TABLES = {
     "materials": (),
 }
 """The tables of this form; those without keys hold tables of their own."""
+RELAXATION = "relaxation"
+"""Key of a material's Prony series."""
 LAYER = ("name", "thickness", "material", "pattern", "response")
 SHAPES = {name: kind for name, kind in OUTLINES.items() if kind is not Disc}
 
@@ -86,8 +89,8 @@ def sheet_to_tables(specimen: Specimen) -> dict[str, Any]:
             if pattern is not None
         },
         "materials": {
-            name: law_to_table(law) | {"density": density}
-            for (law, density), name in materials.items()
+            name: law_to_table(law) | {"density": density} | _relaxation_table(relaxation)
+            for (law, density, relaxation), name in materials.items()
         },
         "prestretch": {
             "milestones": milestones_in_file(specimen),
@@ -118,11 +121,11 @@ def _layer(content: Any, data: Tables) -> Layer:
     check_keys(where, content, LAYER)
     quantities = in_si(where, content)
     thickness = required(where, quantities, "thickness")
-    law, density = _material(data, where, required(where, content, "material"))
+    law, density, relaxation = _material(data, where, required(where, content, "material"))
     pattern = _pattern(data, where, content["pattern"]) if "pattern" in content else None
     response = _response(f"{where}.response", content.get("response", "none"))
     with fields_of(where):
-        return Layer(name, thickness, law, density, pattern, response)
+        return Layer(name, thickness, law, density, pattern, response, relaxation)
 
 
 def _check_names(layers: Sequence[Any]) -> None:
@@ -140,13 +143,15 @@ def _referred(data: Tables, table: str, field: str, name: Any) -> Mapping[str, A
     return as_table(f"{table}.{name}", known[name])
 
 
-def _material(data: Tables, where: str, name: Any) -> tuple[Law, Any]:
-    """Return the law and the density of a table [materials.NAME]."""
+def _material(data: Tables, where: str, name: Any) -> tuple[Law, Any, PronySeries]:
+    """Return the law, the density and the relaxation of a table [materials.NAME]."""
     given = _referred(data, "materials", f"{where}.material", name)
     table = in_si(f"materials.{name}", given, UNITS | law_keys())
-    check_keys(f"materials.{name}", table, (*law_keys(), "density"))
+    check_keys(f"materials.{name}", table, (*law_keys(), "density", RELAXATION))
     density = table.pop("density", 960.0)
-    return law_from_table(table, f"materials.{name}"), density
+    field = f"materials.{name}.{RELAXATION}"
+    relaxation = PronySeries.from_file(field, table.pop(RELAXATION, []))
+    return law_from_table(table, f"materials.{name}"), density, relaxation
 
 
 def _pattern(data: Tables, where: str, name: Any) -> Pattern:
@@ -201,8 +206,13 @@ def _response_table(response: Response) -> dict[str, Any]:
     return {k: _plain(v) for k, v in table.items() if k == "kind" or v != getattr(default, k)}
 
 
-def _material_key(layer: Layer) -> tuple[Any, float]:
-    return layer.material, layer.density
+def _material_key(layer: Layer) -> tuple[Any, float, PronySeries]:
+    return layer.material, layer.density, layer.relaxation
+
+
+def _relaxation_table(relaxation: PronySeries) -> dict[str, Any]:
+    terms = [list(term) for term in relaxation.terms]
+    return {RELAXATION: terms} if terms else {}
 
 
 def _named(specimen: Specimen, what: Any) -> dict[Any, str]:

@@ -86,6 +86,7 @@ def bilayer_of(specimen: Specimen) -> TwoLayers | None:
         and isinstance(bilayer.kirigami.pattern, CutPattern | None)
         and bilayer.follow_the_path
         and len(bilayer.stretched) > 0
+        and not any(layer.relaxation.terms for layer in specimen.layers)
     )
     return bilayer if expressible else None
 

@@ -36,6 +36,7 @@ _KINDS = {
     "N": ("a force", "20 mN"),
     "N/m": ("a force per length", "1 N/m"),
     "N/m^3": ("a force per volume", "9.4 kN/m^3"),
+    "s": ("a time", "60 s"),
 }
 
 

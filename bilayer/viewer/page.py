@@ -3,12 +3,14 @@
 import html
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
 import xarray as xr
 
+from bilayer.mechanics.selection import ScalarField
 from bilayer.results.schema import result_specimen
 from bilayer.runtime.output_file import whole_file
 from bilayer.viewer.scene import scene_of
@@ -50,7 +52,12 @@ class Page:
         )
 
 
-def view(result: xr.Dataset, other: xr.Dataset | None = None, title: str = "") -> Page:
+def view(
+    result: xr.Dataset,
+    other: xr.Dataset | None = None,
+    title: str = "",
+    coloured_by: Sequence[ScalarField] = (),
+) -> Page:
     """Return a page that shows a result in three dimensions.
 
     Parameters
@@ -61,6 +68,8 @@ def view(result: xr.Dataset, other: xr.Dataset | None = None, title: str = "") -
         Laid over it, see-through.
     title : str
         Of the page; the specimen's name if left out.
+    coloured_by : sequence of ScalarField
+        Fields that can be chosen as colours, see `bilayer.mechanics.selection.scalar_field`.
 
     Raises
     ------
@@ -74,7 +83,7 @@ def view(result: xr.Dataset, other: xr.Dataset | None = None, title: str = "") -
     >>> bilayer.view(result).save("shape.html")  # doctest: +SKIP
     """
     here = files("bilayer.viewer")
-    scene = scene_of([result] if other is None else [result, other])
+    scene = scene_of([result] if other is None else [result, other], coloured_by)
     page = here.joinpath("page.html").read_text("utf-8")
     parts = {
         "title": html.escape(title or result_specimen(result).name),

@@ -1,6 +1,7 @@
 """What a page shows: the shapes of one or two results, as small numbers."""
 
 import base64
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -13,6 +14,7 @@ from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.geometry.alignment import align
 from bilayer.geometry.surface import Surface
 from bilayer.measures.sphere import fit_sphere
+from bilayer.mechanics.selection import ScalarField
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.comparison import result_label
 from bilayer.results.milestones import along_milestones
@@ -73,7 +75,7 @@ class Model:
         return np.array([shape.surface.points for shape in self.shapes])
 
 
-def scene_of(results: list[xr.Dataset]) -> dict[str, Any]:
+def scene_of(results: list[xr.Dataset], coloured_by: Sequence[ScalarField] = ()) -> dict[str, Any]:
     """Return the scene of some results, ready to be written as JSON.
 
     Parameters
@@ -82,6 +84,8 @@ def scene_of(results: list[xr.Dataset]) -> dict[str, Any]:
         One or two; see `bilayer.results.schema`. The second is shown where it has the prestretch
         of the first; on the same mesh it is laid over it as near as a rigid motion brings it, and
         the first can be coloured by the distance.
+    coloured_by : sequence of ScalarField
+        Further fields of the first; those of the faces are shown by their means at the nodes.
 
     Raises
     ------
@@ -90,6 +94,7 @@ def scene_of(results: list[xr.Dataset]) -> dict[str, Any]:
     """
     first, *others = [Model.of(result) for result in results]
     fields, models = node_fields(first), []
+    fields += [_at_nodes(field, first) for field in coloured_by]
     for other in others:
         places = _places(first, other)
         if other.mesh.same_as(first.mesh):
@@ -97,6 +102,12 @@ def scene_of(results: list[xr.Dataset]) -> dict[str, Any]:
             fields += [Field(f"distance from {other.name}", "mm", distance)]
         models.append(_packed(other, []) | {"places": places})
     return {"models": [_packed(first, fields), *models]}
+
+
+def _at_nodes(field: ScalarField, model: Model) -> Field:
+    """Return a field of the faces or nodes as one of the nodes of a model's shapes."""
+    values = field.on_nodes(model.mesh)[[shape.milestone for shape in model.shapes]]
+    return Field(field.name.replace("_", " "), field.unit, values)
 
 
 def _places(first: Model, other: Model) -> list[int]:

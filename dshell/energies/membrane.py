@@ -67,24 +67,24 @@ class StretchedTriangles:
 
     def __init__(self, slopes: Array, corners: Array) -> None:
         self._slopes = slopes
-        self._tangents = (slopes[:, None] * corners).sum(axis=2)  # columns of F, (2, 3, m)
+        self.tangents = (slopes[:, None] * corners).sum(axis=2)  # columns of F, (2, 3, m)
 
     def strain(self) -> Array:
         """Return (Exx, Eyy, 2 Exy), shape (3, m)."""
-        x, y = self._tangents
+        x, y = self.tangents
         return np.stack(
             [0.5 * ((x * x).sum(axis=0) - 1), 0.5 * ((y * y).sum(axis=0) - 1), (x * y).sum(axis=0)]
         )
 
     def strain_gradient(self) -> Array:
         """Return its derivative, 1/m, shape (3, 3, 3, m): strain, xyz, corner."""
-        x, y = self._tangents[:, :, None]
+        x, y = self.tangents[:, :, None]
         along_x, along_y = self._slopes[:, None]
         return np.stack([x * along_x, y * along_y, x * along_y + y * along_x])
 
     def forces(self, resultants: Array) -> Array:
         """Return resultants (3, m) times that derivative, shape (3, 3, m): xyz, corner."""
         xx, yy, xy = resultants
-        x, y = self._tangents
+        x, y = self.tangents
         pull_x, pull_y = xx * x + xy * y, xy * x + yy * y
         return pull_x[:, None] * self._slopes[0] + pull_y[:, None] * self._slopes[1]

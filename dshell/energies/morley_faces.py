@@ -169,7 +169,18 @@ class BentFaces:
         curvature = (faces.bending * turns).sum(axis=1)
         self.strains = np.concatenate([self._triangles.strain(), curvature])
         """Strain and curvature (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy), shape (6, m)."""
-        self._laminate = faces.laminate.at(self.strains)
+        self.laminate = faces.laminate.at(self.strains)
+        """The layers on the faces, as they are bent."""
+
+    @property
+    def tangents(self) -> Array:
+        """Images of the unit vectors of the flat sheet, shape (2, 3, m)."""
+        return self._triangles.tangents
+
+    @property
+    def areas(self) -> Array:
+        """Flat areas, m2, shape (m,)."""
+        return self._faces.flat.areas
 
     @property
     def turn_dofs(self) -> NDArray[np.int64]:
@@ -183,14 +194,14 @@ class BentFaces:
 
     def energy(self) -> Array:
         """Return each face's energy, J, shape (m,)."""
-        return self._faces.flat.areas * self._laminate.energy()
+        return self._faces.flat.areas * self.laminate.energy()
 
     def layer_energies(self) -> dict[str, float]:
         """Return the energy of each layer by its name, J."""
-        areas = self._faces.flat.areas
+        areas = self.areas
         return {
             bent.layer.name: float(areas[bent.layer.face_numbers] @ bent.energy())
-            for bent in self._laminate.layers
+            for bent in self.laminate.layers
         }
 
     def gradient(self) -> Array:
@@ -205,7 +216,7 @@ class BentFaces:
 
     def hessian(self) -> list[Array]:
         """Return the second derivative, N/m: of the faces (m, 21, 21), of the folds (f, 12, 12)."""
-        faces = self._material_part(self._laminate.stiffness())
+        faces = self._material_part(self.laminate.stiffness())
         self._add_membrane_forces(faces, self._forces[:3])
         left, right = self._folds.sharpness_hessian_rows()
         left *= self._torques
@@ -220,7 +231,7 @@ class BentFaces:
         # strain and thickness times curvature are comparable, so that is what is projected
         units = np.repeat([1.0, 1 / self._faces.laminate.thickness], 3)
         scale = np.multiply.outer(units, units)
-        stiffness = np.moveaxis(self._laminate.stiffness(), 2, 0)
+        stiffness = np.moveaxis(self.laminate.stiffness(), 2, 0)
         convex = _clip_eigenvalues(stiffness * scale) / scale
         faces = self._material_part(np.moveaxis(convex, 0, 2))
         self._add_membrane_forces(faces, _tension(self._forces[:3]))
@@ -229,7 +240,7 @@ class BentFaces:
     @cached_property
     def _forces(self) -> Array:
         """Derivative of the energy by strain and curvature, (6, m)."""
-        return self._faces.flat.areas * self._laminate.resultants()
+        return self._faces.flat.areas * self.laminate.resultants()
 
     @cached_property
     def _moments(self) -> Array:

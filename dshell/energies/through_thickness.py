@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from dshell.materials.plane_stress import PlaneStressLaw
+from bilayer.specimen.relaxation import ELASTIC, PronySeries
+from dshell.energies.memory import Memory, RememberingState
+from dshell.materials.plane_stress import PlaneStressLaw, PlaneStressState
 
 Array = NDArray[np.float64]
 
@@ -52,6 +54,10 @@ class ShellLayer:
         or one for each that the layer covers.
     faces : (k,) array of int or None
         Faces that the layer covers, ascending; None: all.
+    relaxation : PronySeries
+        How its stress relaxes.
+    memory : Memory or None
+        What it remembers in the present step of time; None: it answers at once, as an elastic one.
     """
 
     name: str
@@ -60,6 +66,8 @@ class ShellLayer:
     top: float
     prestretch: Array
     faces: NDArray[np.int64] | None = None
+    relaxation: PronySeries = ELASTIC
+    memory: Memory | None = None
     heights: Array = field(init=False)  # of the Gauss points, m, shape (q,)
     weights: Array = field(init=False)  # theirs, m
 
@@ -87,7 +95,10 @@ class ShellLayer:
             faces = self.faces[inside] - block.start
         each = self.prestretch.shape[2] > 1
         return replace(
-            self, faces=faces, prestretch=self.prestretch[:, :, inside] if each else self.prestretch
+            self,
+            faces=faces,
+            prestretch=self.prestretch[:, :, inside] if each else self.prestretch,
+            memory=None if self.memory is None else self.memory.part(inside),
         )
 
 
@@ -134,7 +145,7 @@ class BentLaminate:
     def __init__(self, laminate: Laminate, s: Array) -> None:
         self._shape = s.shape
         self.layers = [
-            _BentLayer(layer, laminate.quadratic, s[:, layer.face_numbers])
+            BentLayer(layer, laminate.quadratic, s[:, layer.face_numbers])
             for layer in laminate.layers
         ]
 
@@ -160,7 +171,7 @@ class BentLaminate:
         return total
 
 
-class _BentLayer:
+class BentLayer:
     """One layer in s of shape (6, k); all its Gauss points at once, in the last axis but one.
 
     With d the derivative of det(k) by k, the derivative of the strain by the curvature is
@@ -173,10 +184,23 @@ class _BentLayer:
         self._half = 0.5 * quadratic
         x, y, twist = s[3:]
         self._det_slope = np.stack([y, x, -0.5 * twist])
-        z = layer.heights[:, None]
-        strain = s[:3, None] + z * s[3:, None]
-        strain[:2] -= self._half * z**2 * (x * y - 0.25 * twist * twist)
-        self._material = layer.law.at(strain, layer.prestretch)
+        self._det = x * y - 0.25 * twist * twist
+        self._strains = s
+        self._material = self.at_heights(layer.heights)
+        if layer.memory is not None:
+            strain = self.strain(layer.heights)
+            self._material = RememberingState(self._material, strain, layer.memory)
+
+    def strain(self, heights: Array) -> Array:
+        """Return the strain from the flat bonded state at heights (q,), shape (3, q, k)."""
+        z, s = heights[:, None], self._strains
+        strain: Array = s[:3, None] + z * s[3:, None]
+        strain[:2] -= self._half * z**2 * self._det
+        return strain
+
+    def at_heights(self, heights: Array) -> PlaneStressState:
+        """Return the material at heights (q,), m, as it answers at once."""
+        return self.layer.law.at(self.strain(heights), self.layer.prestretch)
 
     def energy(self) -> Array:
         """Return the energy per area, J/m2, shape (k,)."""

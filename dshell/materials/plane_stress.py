@@ -38,6 +38,9 @@ class PlaneStressState(Protocol):
     def tangent(self) -> Array:
         """Return the stress's own derivative by the strain, Pa, shape (3, 3, ...)."""
 
+    def thickness_stretch(self) -> Array:
+        """Return present over natural thickness, shape (...)."""
+
 
 class PlaneStressLaw(Protocol):
     """An energy per natural volume in plane stress."""
@@ -127,6 +130,10 @@ class _HyperelasticState:
         T_e = np.stack(np.broadcast_arrays(xx, yy, xy, a)[:3])
         return 2 * T_e, 2 * area2 * np.stack([b, a, -g])
 
+    def thickness_stretch(self) -> Array:
+        """See `PlaneStressState`: J / sqrt(D)."""
+        return self._expanded.volume_ratio / np.sqrt(self._D)
+
     @cached_property
     def _first(self) -> tuple[Array, Array]:
         return self._expanded.first()
@@ -163,6 +170,11 @@ class _Expansion:
         if law.d1 > 0:
             energy = energy + (self._r2 * self._r - 1) ** 2 / law.d1
         return energy
+
+    @property
+    def volume_ratio(self) -> Array:
+        """J = r^3."""
+        return self._r2 * self._r
 
     def first(self) -> tuple[Array, Array]:
         """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""
@@ -290,13 +302,17 @@ class PlaneLinear:
         S = prestretch
         initial = (S[0, 0] - 1, S[1, 1] - 1, S[0, 1] + S[1, 0])
         whole = np.stack([given + own for given, own in zip(strain, initial, strict=True)])
-        return _LinearState(self.stiffness, whole)
+        nu, area = self.poisson_ratio, S[0, 0] * S[1, 1] - S[0, 1] * S[1, 0]
+        squared = 1 - 2 * nu / (1 - nu) * (strain[0] + strain[1])
+        return _LinearState(self.stiffness, whole, squared, area)
 
 
 @dataclass(frozen=True, eq=False)
 class _LinearState:
     stiffness: Array
     strain: Array  # from the natural state
+    squared: Array  # of the stretch of the thickness from the flat bonded state
+    area: Array  # det S, which the bonded state is thinner by
 
     def energy(self) -> Array:
         """See `PlaneStressState`."""
@@ -309,6 +325,11 @@ class _LinearState:
     def tangent(self) -> Array:
         """See `PlaneStressState`."""
         return np.multiply.outer(self.stiffness, np.ones(self.strain.shape[1:]))
+
+    def thickness_stretch(self) -> Array:
+        """See `PlaneStressState`; not a number if the strain is beyond what the law bears."""
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(self.squared) / self.area
 
 
 @singledispatch

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.assembly import Energy, total_energies
@@ -56,6 +57,12 @@ class HingeModel:
     def energy_terms(self, stretch: tuple[float, float], state: Array) -> Mapping[str, float]:
         """Return the energies of stretching and of bending, J."""
         return total_energies(self.energies(stretch), state)
+
+    def layer_states(
+        self, stretch: tuple[float, float], state: Array, turn: Array
+    ) -> list[LayerState]:
+        """Return none: springs and hinges have no strain in the layers."""
+        return []
 
     def reference_height(self, stretch: tuple[float, float]) -> float:
         """Return 0: the flat lattice is the flat bond, whichever neutral axis lies where."""

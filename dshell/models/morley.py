@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.bonding import check_no_gap
 from bilayer.mesh.parts import clamped_edges
 from bilayer.mesh.planar import PlanarMesh
@@ -12,6 +13,7 @@ from bilayer.specimen.specimen import Specimen
 from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
+from dshell.models.layer_states import layer_states
 from dshell.settings import MorleySettings
 
 Array = NDArray[np.float64]
@@ -68,6 +70,12 @@ class MorleyModel:
         """Return the energy of each layer, J."""
         parts = [faces.at(state).layer_energies() for faces in self.energies(stretch)]
         return {name: sum(part[name] for part in parts) for name in parts[0]}
+
+    def layer_states(
+        self, stretch: tuple[float, float], state: Array, turn: Array
+    ) -> list[LayerState]:
+        """See `dshell.release.specimen_shell.ShellModel`."""
+        return layer_states([faces.at(state) for faces in self.energies(stretch)], turn)
 
     def _laminate(self, stretch: tuple[float, float]) -> Laminate:
         return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._quadratic)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError, InputError
 from bilayer.measures.milestone import Measures, measure
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import UNKNOWN_STABILITY
 from bilayer.results.starting import FLAT_START
@@ -114,6 +115,10 @@ class PaperShape:
 
     def details(self) -> None:
         """Return None: this model has no variables of its own."""
+
+    def layer_states(self) -> list[LayerState]:
+        """Return none: springs and hinges have no strain in the layers."""
+        return []
 
     def save(self) -> Saved:
         """Return nothing: the next run begins flat."""

@@ -18,6 +18,7 @@ from bilayer.contact.package import PACKAGE as CONTACT_PACKAGE
 from bilayer.contact.touching import Touching, measure_touching
 from bilayer.errors import InputError
 from bilayer.measures.milestone import Measures, measure
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.results.contact_variables import contact_dataset
 from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Recorded, Saved
@@ -145,6 +146,10 @@ class ShellEquilibrium:
         if contact is None:
             return None
         return measure_touching(contact.skin, contact.barrier, contact.at(self.state).barrier)
+
+    def layer_states(self) -> list[LayerState]:
+        """Return the deformation of each layer; none by the model `hinge`."""
+        return self._shell.layer_states(self.milestone, self.state)
 
     def save(self) -> Saved:
         """Return the state, and how the path began."""

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from bilayer.contact.barrier import Barrier
 from bilayer.contact.skin import BondedBody
 from bilayer.contact.skin_map import SkinMap
-from bilayer.geometry.alignment import align, move_onto_held_points
+from bilayer.geometry.alignment import align, best_rotation, move_onto_held_points
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.parts import clamped_edges, supported_coordinates
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.table import milestone_text
@@ -76,6 +77,12 @@ class ShellModel(Protocol):
 
     def energy_terms(self, stretch: StretchPair, state: Array) -> Mapping[str, float]:
         """Return the energies that a result lists, J."""
+
+    def layer_states(self, stretch: StretchPair, state: Array, turn: Array) -> list[LayerState]:
+        """Return the deformation of each layer, none if the model has no layers.
+
+        `turn`, (3, 3), is the rotation from the axes of the state to those of the result.
+        """
 
 
 class SpecimenShell:
@@ -247,6 +254,13 @@ class SpecimenShell:
             return shape
         flat = flat_surface(self.mesh)
         return align(shape, flat.points, flat.node_areas)
+
+    def layer_states(self, milestone: Milestone, state: Array) -> list[LayerState]:
+        """Return the deformation of each layer, with rotations in the axes of `position`."""
+        weights = flat_surface(self.mesh).node_areas
+        shape = self.reference_surface(milestone, state)
+        turn = best_rotation(shape, self.position(milestone, state), weights).as_matrix()
+        return self.model.layer_states(stretch_of(milestone), state, turn)
 
     def state_near(self, shape: Array, milestone: Milestone) -> Array:
         """Return the state whose reference surface is near a given one.

@@ -15,6 +15,7 @@ from petsc4py import PETSc
 
 from bilayer.geometry.alignment import move_onto_held_points
 from bilayer.measures.milestone import Measures, measure
+from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.start_shapes import StartShapes
 from bilayer.runtime.progress import Progress
@@ -32,6 +33,7 @@ from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.branch_fields import branch_dataset
 from fenics_model.release.effort_fields import effort_dataset
+from fenics_model.release.layer_states import layer_states
 from fenics_model.release.linearisation import SolidLinearisation
 from fenics_model.release.saved_path import SavedPath
 from fenics_model.release.specimen_solid import (
@@ -152,6 +154,10 @@ class SolidEquilibrium:
         if departure is not None:
             departure = replace(departure, equilibrium=None)
         return MilestoneDetails(self.vertices, departure)
+
+    def layer_states(self) -> list[LayerState]:
+        """Return the deformation of each layer, the same on every rank."""
+        return layer_states(self._body, self.stretch, self._point.state)
 
     def save(self) -> Saved:
         """Return all that the path needs to go on from here."""

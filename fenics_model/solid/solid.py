@@ -118,10 +118,11 @@ class Solid:
     def _layers_with_pressure(self) -> list[tuple[int, tuple[SolidLayer, Any]]]:
         return list(enumerate(zip(self.layers, self.pressures, strict=True)))
 
-    def _stored(self) -> list[Any]:
+    def _stored(self, weight: Any = 1) -> list[Any]:
+        """Return the integral of each layer's energy, times a weight."""
         C, J = self.gradient.T * self.gradient, ufl.det(self.gradient)
         return [
-            layer.energy.density(C, J, layer.natural, pressure) * self.dx(i)
+            layer.energy.density(C, J, layer.natural, pressure) * weight * self.dx(i)
             for i, (layer, pressure) in self._layers_with_pressure()
         ]
 
@@ -208,6 +209,22 @@ class Solid:
     def layer_energy(self, layer: int, state: State) -> float:
         """Return the strain energy of a layer, J, the same on every rank."""
         return self._total(self._layer_energies[layer], state)
+
+    def cell_energies(self, layer: int, state: State) -> NDArray[np.float64]:
+        """Return the strain energy of a layer in each cell of this rank, J; 0 in ghosts."""
+        with self.at(state):
+            found = fem.assemble_vector(self._cell_energy_forms[layer])
+        return np.asarray(found.array[self._cell_space.dofmap.list[:, 0]])
+
+    @cached_property
+    def _cell_space(self) -> fem.FunctionSpace:
+        return fem.functionspace(self.mesh.mesh, ("Discontinuous Lagrange", 0))
+
+    @cached_property
+    def _cell_energy_forms(self) -> list[fem.Form]:
+        """Compiled when fields are first asked for."""
+        cell = ufl.TestFunction(self._cell_space)
+        return [self._form(integral) for integral in self._stored(cell)]
 
     def potential_energy(self, state: State) -> float:
         """Return the strain energy less the work of the dead loads, J, the same on every rank."""

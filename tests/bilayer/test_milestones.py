@@ -7,8 +7,8 @@ import xarray as xr
 from made_results import cap_result
 
 from bilayer import MeshSize, paper_specimen, solve
+from bilayer.exports.conversion import convert, convert_milestones
 from bilayer.results.comparison import compare
-from bilayer.results.conversion import convert, convert_milestones
 from bilayer.results.milestones import along_milestones
 from bilayer.results.report import provenance, result_table
 

@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip("dolfinx")
 
 from bilayer import MeshSize, PlanarMesh, generate_mesh, paper_specimen, solve
+from bilayer.exports.conversion import convert
 from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import flat_surface
-from bilayer.results.conversion import convert
 from bilayer.specimen.two_layers import with_stretched
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))

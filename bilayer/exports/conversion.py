@@ -1,12 +1,8 @@
 """A result as mesh files for ParaView and others: one file per shape.
 
-The middle surface is the reference surface on the planar mesh. The volume, if a solver kept it,
-is read from `volume_position` (prestretch, volume_node, xyz), `volume_reference_position`,
-`volume_cells` (volume_cell, vertex: tetrahedra) and `layer` (volume_cell:
-0 substrate, 1 kirigami).
+The midsurface is the reference surface on the planar mesh; the volume is the layers.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.exports.frame import Axes
+from bilayer.exports.shapes import PARTS, MeshData
 from bilayer.mesh.files import check_mesh_output, write_mesh_file
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH
@@ -23,17 +21,23 @@ from bilayer.validation import one_of
 if TYPE_CHECKING:
     import meshio
 
+AS_IN_RESULT = Axes()
+
 
 def convert(
     result: xr.Dataset,
     path: str | Path,
     prestretch: float | None = None,
     part: str = "midsurface",
+    *,
+    fields: xr.Dataset | None = None,
+    axes: Axes = AS_IN_RESULT,
 ) -> None:
     """Write one shape in any format that meshio writes, chosen by the file's ending.
 
-    Points are the deformed ones, in m; `reference_position` and `displacement` go with them, and
-    with each cell its `region` (0 bare, 1 kirigami) or `layer` (0 substrate, 1 kirigami).
+    Points are the deformed ones; `reference_position` and `displacement` go with them, and with
+    each cell its `region` (0 bare, 1 kirigami) or `layer` (0 substrate, 1 kirigami). Fields have
+    their unit in their name, such as "cauchy_stress.substrate.top [Pa]".
 
     Parameters
     ----------
@@ -45,21 +49,30 @@ def convert(
         Which milestone; the last one that was reached if left out.
     part : {"midsurface", "volume"}
         What to write.
+    fields : Dataset, optional
+        Those of the result, from `bilayer.fields`, to be written as data.
+    axes : Axes
+        Frame and unit; those of the result (m) if left out.
 
     Raises
     ------
     InputError
-        The milestone was not reached or is not there, the result has no volume, the format is
-        unknown, or the folder cannot be written.
+        The milestone was not reached or is not there, the format is unknown, or the folder cannot
+        be written.
     ComputationError
         Writing failed, for example on a full disk.
     """
     result = along_milestones(result)
-    _write(result, path, _reached(result, prestretch)[-1], part)
+    write_shape(result, path, int(reached(result, prestretch)[-1]), part, fields, axes)
 
 
 def convert_milestones(
-    result: xr.Dataset, path: str | Path, part: str = "midsurface"
+    result: xr.Dataset,
+    path: str | Path,
+    part: str = "midsurface",
+    *,
+    fields: xr.Dataset | None = None,
+    axes: Axes = AS_IN_RESULT,
 ) -> list[Path]:
     """Write every shape that was reached, each to a file of its own; see `convert`.
 
@@ -75,26 +88,46 @@ def convert_milestones(
     for name in names:
         check_mesh_output(name)
     result = along_milestones(result)
-    milestones = _reached(result, None)
-    for milestone, name in zip(milestones, names, strict=True):
-        _write(result, name, int(milestone), part)
+    for milestone, name in zip(reached(result), names, strict=True):
+        write_shape(result, name, int(milestone), part, fields, axes)
     return names
 
 
 def milestone_names(result: xr.Dataset, path: str | Path) -> list[Path]:
     """Return the names of the files of `convert_milestones`."""
     result = along_milestones(result)
-    milestones = _reached(result, None)
-    return _with_prestretches(Path(path), result["prestretch"].values[milestones])
+    return _with_prestretches(Path(path), result["prestretch"].values[reached(result)])
 
 
-def _write(result: xr.Dataset, path: str | Path, milestone: int, part: str) -> None:
+def write_shape(
+    result: xr.Dataset,
+    path: str | Path,
+    milestone: int,
+    part: str,
+    fields: xr.Dataset | None,
+    axes: Axes,
+) -> None:
+    """Write the milestone of a place; see `convert`."""
+    write_mesh_file(as_meshio(shape_data(result, milestone, part, fields, axes)), path)
+
+
+def shape_data(
+    result: xr.Dataset, milestone: int, part: str, fields: xr.Dataset | None, axes: Axes
+) -> MeshData:
+    """Return the milestone of a place as a mesh; see `convert`."""
     shape_of = PARTS[one_of("part", part, PARTS)]
-    write_mesh_file(shape_of(result.isel(prestretch=milestone)), path)
+    own = None if fields is None else along_milestones(fields).isel(prestretch=milestone)
+    return shape_of(result.isel(prestretch=milestone), axes, own)
 
 
-def _reached(result: xr.Dataset, prestretch: float | None) -> NDArray[np.int64]:
-    """Places of the milestones that were reached, or of the one that is asked for."""
+def reached(result: xr.Dataset, prestretch: float | None = None) -> NDArray[np.int64]:
+    """Return the places of the milestones that were reached, or of those that are asked for.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
     converged = result["converged"].values.astype(bool)
     stretches = result["prestretch"].values
     if prestretch is not None:
@@ -113,42 +146,10 @@ def _with_prestretches(path: Path, stretches: NDArray[np.float64]) -> list[Path]
     return [path.with_name(f"{path.stem}_{end}{path.suffix}") for end in ends]
 
 
-def _midsurface(shape: xr.Dataset) -> "meshio.Mesh":
-    return _mesh(
-        shape["reference_position"].values,
-        shape["position"].values,
-        ("triangle", shape["face_nodes"].values),
-        {"region": [shape["region"].values.astype(np.int32)]},
-    )
-
-
-def _volume(shape: xr.Dataset) -> "meshio.Mesh":
-    if "volume_position" not in shape:
-        raise InputError(
-            f"part = 'volume': this result of {shape.attrs['solver']} {shape.attrs['model']} has "
-            "no volume, expected 'midsurface'"
-        )
-    return _mesh(
-        shape["volume_reference_position"].values,
-        shape["volume_position"].values,
-        ("tetra", shape["volume_cells"].values),
-        {"layer": [shape["layer"].values.astype(np.int32)]},
-    )
-
-
-PARTS: "dict[str, Callable[[xr.Dataset], meshio.Mesh]]" = {
-    "midsurface": _midsurface,
-    "volume": _volume,
-}
-
-
-def _mesh(
-    reference: NDArray[np.float64],
-    position: NDArray[np.float64],
-    cells: tuple[str, NDArray[np.int64]],
-    cell_data: dict[str, list[NDArray[np.int32]]],
-) -> "meshio.Mesh":
+def as_meshio(data: MeshData) -> "meshio.Mesh":
+    """Return a mesh with data as meshio has it."""
     import meshio  # takes long to load, and few need it
 
-    on_points = {"reference_position": reference, "displacement": position - reference}
-    return meshio.Mesh(position, [cells], point_data=on_points, cell_data=cell_data)
+    on_cells = {name: [values] for name, values in data.cell_data.items()}
+    cells = [(data.kind, data.cells)]
+    return meshio.Mesh(data.points, cells, point_data=data.point_data, cell_data=on_cells)

@@ -1,0 +1,1 @@
+"""Results in the formats of other programs: meshes with fields, time series, solids."""

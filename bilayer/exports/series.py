@@ -1,0 +1,101 @@
+"""All milestones of a result as one time series, which ParaView plays: a .pvd file and its shapes.
+
+The .pvd file names one .vtu file beside it for each milestone that was reached. The time of a shape
+is its prestretch, or its number if the prestretch does not rise from one to the next.
+"""
+
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.exports.conversion import as_meshio, reached, shape_data
+from bilayer.exports.frame import Axes
+from bilayer.mesh.files import write_mesh_data
+from bilayer.results.milestones import along_milestones
+from bilayer.runtime.output_file import check_writable, whole_file
+
+ENDING = ".pvd"
+IN_BODY_FRAME = Axes("body", "m")
+
+
+def convert_series(
+    result: xr.Dataset,
+    path: str | Path,
+    part: str = "midsurface",
+    *,
+    fields: xr.Dataset | None = None,
+    axes: Axes = IN_BODY_FRAME,
+) -> list[Path]:
+    """Write all milestones that were reached as one time series.
+
+    Parameters
+    ----------
+    result : Dataset
+        See `bilayer.results.schema`.
+    path : path-like
+        A name in .pvd; shape.pvd has its shapes in shape_0.vtu, shape_1.vtu, ... beside it.
+    part, fields
+        See `bilayer.convert`.
+    axes : Axes
+        Frame and unit; each shape in its own body frame, in m, if left out.
+
+    Returns
+    -------
+    list of Path
+        The files written, the .pvd file first.
+
+    Raises
+    ------
+    InputError
+        No milestone was reached, the ending is another, or the folder cannot be written.
+    ComputationError
+        Writing failed, for example on a full disk; nothing is left then.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> result = bilayer.open_result("shell.nc")  # doctest: +SKIP
+    >>> bilayer.convert_series(result, "shape.pvd", "volume")  # doctest: +SKIP
+    """
+    target = Path(path)
+    if target.suffix.lower() != ENDING:
+        raise InputError(f"time series {path}: expected a name in {ENDING}")
+    result = along_milestones(result)
+    places = reached(result)
+    names = series_names(result, target)
+    for name in names:
+        check_writable(name)
+    with whole_file(target, "time series") as partial:
+        for place, name in zip(places, names[1:], strict=True):
+            data = shape_data(result, int(place), part, fields, axes)
+            write_mesh_data(as_meshio(data), partial.with_name(name.name))
+        times = _times(result["prestretch"].values[places])
+        partial.write_text(_collection(times, [name.name for name in names[1:]]), "utf-8")
+    return names
+
+
+def series_names(result: xr.Dataset, path: str | Path) -> list[Path]:
+    """Return the names of the files of `convert_series`."""
+    target = Path(path)
+    count = len(reached(along_milestones(result)))
+    return [target, *(target.with_name(f"{target.stem}_{k}.vtu") for k in range(count))]
+
+
+def _times(stretches: NDArray[np.float64]) -> list[float]:
+    rising = bool(np.all(np.diff(stretches) > 0))
+    return [float(t) for t in (stretches if rising else np.arange(len(stretches)))]
+
+
+def _collection(times: list[float], names: list[str]) -> str:
+    entries = "\n".join(
+        f'    <DataSet timestep="{time!r}" file={quoteattr(name)}/>'
+        for time, name in zip(times, names, strict=True)
+    )
+    return (
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
+        f"{entries}\n  </Collection>\n</VTKFile>\n"
+    )
