@@ -287,7 +287,7 @@ def _layers(specimen: Specimen) -> list[str]:
     for part in specimen.bonded_layers((1.0, 1.0)):
         material = part.layer.material
         line = (
-            f"{part.name + ' ':<12}{1e3 * part.layer.thickness:g} mm, {type(material).__name__}, "
+            f"{part.name + ' ':<12}{1e3 * part.layer.thickness:g} mm, {material.name}, "
             f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
         )
         if part.layer.is_stretched:

@@ -55,7 +55,7 @@ def _row(layer: Layer, colour: str) -> str:
     cells = (
         f'<span style="color:{colour}">&#9632;</span> {html.escape(layer.name)}{stretched}',
         f"{1e3 * layer.thickness:g} mm",
-        html.escape(type(material).__name__),
+        html.escape(material.name),
         f"{material.young_modulus / 1e3:.4g} kPa",
         f"{material.poisson_ratio:.3g}",
         "the whole sheet" if layer.pattern is None else html.escape(layer.pattern.words),

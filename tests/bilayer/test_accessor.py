@@ -56,7 +56,7 @@ def test_pyvista_that_is_not_there_is_named(result, monkeypatch):
 def test_a_specimen_shows_its_layers_with_units_and_a_drawing():
     shown = replace(small_specimen(), name="<b>mine</b>")._repr_html_()
     assert "&lt;b&gt;mine&lt;/b&gt;" in shown
-    for words in ("1 mm", "116.2 kPa", "MooneyRivlin", "substrate, stretched", "the whole sheet"):
+    for words in ("1 mm", "116.2 kPa", "mooney-rivlin", "substrate, stretched", "the whole sheet"):
         assert words in shown
     assert shown.index("kirigami") < shown.index("substrate")  # from the top
     drawing = ET.fromstring(shown[shown.index("<svg") : shown.index("</svg>") + len("</svg>")])

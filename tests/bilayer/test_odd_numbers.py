@@ -16,7 +16,7 @@ from bilayer.results.report import describe_trust
 from bilayer.specimen.doubts import doubts
 from bilayer.specimen.layer import Response
 from bilayer.specimen.overrides import toml_value, with_overrides
-from bilayer.specimen.toml import parse_specimen_file, template
+from bilayer.specimen.toml import parse_specimen, parse_specimen_file, template
 from bilayer.specimen.toml_text import DEEPEST, parse_toml
 from bilayer.study.variation import MOST_CASES
 from bilayer.validation import finite, listed, positive, shown, whole, within
@@ -257,3 +257,32 @@ def test_what_is_hardly_meant_is_asked_about(folder, capsys):
     assert told.count("\n") == 1
     trust = describe_trust(cap_result(flat.with_milestones([1.03])))
     assert "Doubtful: no layer has a response" in trust
+
+
+@pytest.mark.parametrize(
+    ("changes", "doubt"),
+    [
+        (["substrate.thickness=0.02"], "substrate.thickness = 20 mm: the sheet has a radius of 40"),
+        (
+            ["prestretch.milestones=[1.5, 3]"],
+            "prestretch 3: a layer is bonded at more than 2 times",
+        ),
+        (["prestretch.milestones=[0.15]"], "prestretch 0.15: a layer is compressed to less than"),
+        (["substrate.young_modulus=116.25"], "substrate: Young's modulus of 116.2 Pa, no sheet is"),
+        (
+            ["kirigami.young_modulus=3e14"],
+            "kirigami: Young's modulus of 3e+14 Pa, no sheet is as st",
+        ),
+        (["kirigami.density=0.96"], "kirigami.density = 0.96 kg/m3: no sheet is as light"),
+    ],
+)
+def test_what_is_hardly_meant_is_asked(changes, doubt):
+    (line,) = doubts(parse_specimen(template(), changes))
+    assert line.startswith(doubt)
+
+
+@pytest.mark.parametrize("thickness", ["9 mm", "0.01 mm"])
+def test_what_may_be_meant_is_not_asked(thickness):
+    changes = [f"kirigami.thickness={thickness}", "prestretch.milestones=[0.9, 1.9]",
+               "substrate.young_modulus=2 kPa", "kirigami.young_modulus=200 GPa"]  # fmt: skip
+    assert doubts(parse_specimen(template(), changes)) == []
