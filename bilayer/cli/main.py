@@ -13,7 +13,7 @@ from bilayer.cli.completion import complete_words, words_to_complete
 from bilayer.cli.interrupted import tell_interruption
 from bilayer.cli.outputs import tell_replaced
 from bilayer.cli.parser import Parser, main_parser
-from bilayer.cli.spare_pint import spare_pint
+from bilayer.cli.spared_imports import spare_pint, spared_dask
 from bilayer.cli.verbs import VERBS, load_verb
 from bilayer.errors import BilayerError, InputError
 from bilayer.runtime.ranks import abort_other_ranks, is_first_rank
@@ -83,7 +83,8 @@ def _parser(words: Sequence[str]) -> Parser:
     for name, text in VERBS.items():
         if name == called:
             with signals_put_off():  # a module that is loaded by half is another error
-                verb = load_verb(name)
+                with spared_dask(name):
+                    verb = load_verb(name)
                 spare_pint()
             verb.add(verbs)
         else:

@@ -13,6 +13,7 @@ from bilayer.cli.verbs import VERBS
 ARRAYS = ("numpy",)
 DATASETS = ("netCDF4", "pandas", "xarray")
 HEAVY = (
+    "dask",
     "dshell.release", "fenics_model.release", "dolfinx", "gmsh", "matplotlib", "meshio", "mpi4py",
     "petsc4py", "pint", "scipy.interpolate", "scipy.linalg", "scipy.optimize",
     "scipy.sparse", "scipy.spatial", "tqdm", "ufl",
