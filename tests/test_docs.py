@@ -8,14 +8,14 @@ import pytest
 from test_architecture import FLOORS
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 WIDTH = 100
 README_WORDS = 900
 PACKAGES = ("bilayer", "dshell", "fenics_model")
 FOLDERS = (*PACKAGES, "scripts", "tests", "docs", "docker", "results")
 MADE_LATER = ("results/quick",)  # by a command that the page describes
 
-each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
 
 def prose(page: Path) -> str:
