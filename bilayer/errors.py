@@ -9,11 +9,29 @@ INTERRUPTED = "interrupted"
 
 
 class BilayerError(Exception):
-    """Base of every error that this project raises on purpose; its text is one line."""
+    """Base of every error that this project raises on purpose; its text is one line.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> try:
+    ...     bilayer.read_specimen("missing.toml")
+    ... except bilayer.BilayerError as error:
+    ...     print(type(error).__name__)
+    InputError
+    """
 
 
 class InputError(BilayerError, ValueError):
-    """Bad input: the text names the field, its value and what was expected."""
+    """Bad input: the text names the field, its value and what was expected.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Disc(radius=-1.0)
+    Traceback (most recent call last):
+    bilayer.errors.InputError: outer_radius = -1.0 m: expected a number greater than 0
+    """
 
 
 @contextmanager
@@ -34,7 +52,14 @@ class NotEnoughMemoryError(InputError):
 
 
 class ComputationError(BilayerError, RuntimeError):
-    """A computation or the writing of its result failed; the text says where and why."""
+    """A computation or the writing of its result failed; the text says where and why.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> issubclass(bilayer.ComputationError, bilayer.BilayerError)
+    True
+    """
 
 
 class MachineError(ComputationError):

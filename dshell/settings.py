@@ -100,7 +100,14 @@ class ReleaseSettings:
 
 @dataclass(frozen=True)
 class MorleySettings(ReleaseSettings):
-    """The accurate shell: Morley's bending on the laminate's own layers."""
+    """The accurate shell: Morley's bending on the laminate's own layers.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.MorleySettings(contact="barrier").contact
+    'barrier'
+    """
 
     profile: str = setting(
         "quadratic",
@@ -114,12 +121,25 @@ class MorleySettings(ReleaseSettings):
 
 @dataclass(frozen=True)
 class HingeSettings(ReleaseSettings):
-    """Hinges and springs with the rest state of laminate theory."""
+    """Hinges and springs with the rest state of laminate theory.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.HingeSettings(tolerance=1e-9).tolerance
+    1e-09
+    """
 
 
 @dataclass(frozen=True)
 class PaperSettings:
-    """Settings of the paper's shell that the paper leaves open; see docs/theory-dshell.md."""
+    """Settings of the paper's shell that the paper leaves open; see docs/theory-dshell.md.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> settings = bilayer.PaperSettings()
+    """
 
     stopping_is_a_result: ClassVar[bool] = True  # where it fails is one of the paper's results
 

@@ -26,6 +26,12 @@ class SolidSettings:
     ------
     InputError
         A value is out of its range.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.SolidSettings(branch="other").branch
+    'other'
     """
 
     substrate_elements: int = setting(1, "elements through a layer named substrate")

@@ -1,11 +1,14 @@
 """The README and the pages in docs: links lead somewhere, what they name is there, lines fit."""
 
 import ast
+import inspect
 import re
 from pathlib import Path
 
 import pytest
 from test_architecture import FLOORS
+
+import bilayer
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -108,3 +111,18 @@ def test_the_page_of_the_architecture_has_the_floors(package):
     section = page.split(f"### `{package}`\n")[1].split("\n#")[0]
     rows = re.findall(r"^\| `(\w+)` \|", section, flags=re.MULTILINE)
     assert rows == [part for floor in reversed(FLOORS[package]) for part in reversed(floor)]
+
+
+PUBLIC = [name for name in bilayer.__all__ if callable(getattr(bilayer, name))]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_a_public_name_has_an_example(name):
+    """In its docstring; `tests/bilayer/test_examples_of_docstrings.py` runs it."""
+    text = inspect.getdoc(getattr(bilayer, name)) or ""
+    assert ">>>" in text.partition("Examples\n--------\n")[2]
+
+
+def test_every_public_name_is_on_the_page_of_the_reference():
+    page = (ROOT / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^   (\w+)$", page, flags=re.MULTILINE)) == set(PUBLIC)

@@ -101,6 +101,15 @@ def write_cut_files(
         ending is of no such format.
     NotWrittenError
         Writing failed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> parts = bilayer.write_cut_files(bilayer.paper_specimen(), folder / "parts.svg")
+    >>> sorted(path.name for path in folder.iterdir())
+    ['parts-kirigami.svg', 'parts-substrate.svg']
     """
     target = Path(path)
     write = _writer(target)

@@ -61,6 +61,19 @@ def convert(
         be written.
     ComputationError
         Writing failed, for example on a full disk.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> bilayer.convert(result, folder / "shape.vtu")
+    >>> (folder / "shape.vtu").exists()
+    True
     """
     result = along_milestones(result)
     write_shape(result, path, int(reached(result, prestretch)[-1]), part, fields, axes)
@@ -83,6 +96,19 @@ def convert_milestones(
     -------
     list of Path
         The files written.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> paths = bilayer.convert_milestones(result, folder / "shape.vtu")
+    >>> [path.name for path in sorted(folder.glob("*.vtu"))]
+    ['shape_1.03.vtu']
     """
     names = milestone_names(result, path)
     for name in names:

@@ -22,6 +22,11 @@ def draw_mesh(mesh: PlanarMesh) -> Figure:
     mesh : PlanarMesh
         Edges are black beside a triangle where all layers lie, red where a single one does on
         either side; in other colours where there are regions between.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> figure = bilayer.draw_mesh(bilayer.generate_mesh(bilayer.paper_specimen()))
     """
     with print_style():
         figure = new_figure(4.6, 4.7)

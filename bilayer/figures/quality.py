@@ -33,6 +33,15 @@ def draw_quality(results: Sequence[xr.Dataset], ax: Axes | None = None) -> Figur
         change to another branch.
     ax : Axes, optional
         Where to draw; a new figure if left out.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> figure = bilayer.draw_quality([result])
     """
     with print_style():
         figure, axes = axes_for(ax, 4.8, 3.8)
@@ -64,6 +73,16 @@ def draw_quality_against(
     ------
     InputError
         They cannot be compared, see `bilayer.results.comparison.compare`.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> hinge = bilayer.solve(specimen, "dshell", bilayer.HingeSettings())
+    >>> figure = bilayer.draw_quality_against(hinge, result)
     """
     comparison = compare(reference, shell)
     along, up = comparison["quality"].values
@@ -87,7 +106,18 @@ def draw_quality_against(
 
 
 def draw_comparison(comparison: xr.Dataset) -> Figure:
-    """Draw what `bilayer.results.comparison.compare` found: rms distance, quality and height."""
+    """Draw what `bilayer.results.comparison.compare` found: rms distance, quality and height.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> hinge = bilayer.solve(specimen, "dshell", bilayer.HingeSettings())
+    >>> figure = bilayer.draw_comparison(bilayer.compare(result, hinge))
+    """
     comparison = along_milestones(comparison)
     looks = result_looks([comparison.attrs[side] for side in ("first", "second")])
     stretch = comparison["prestretch"].values
@@ -125,6 +155,16 @@ def draw_distances(comparisons: Sequence[xr.Dataset], ax: Axes | None = None) ->
         From `bilayer.results.comparison.compare`, all with the same first result.
     ax : Axes, optional
         Where to draw; a new figure if left out.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> hinge = bilayer.solve(specimen, "dshell", bilayer.HingeSettings())
+    >>> figure = bilayer.draw_distances([bilayer.compare(result, hinge)])
     """
     with print_style():
         figure, axes = axes_for(ax, 4.8, 3.8)

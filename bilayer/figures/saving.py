@@ -41,6 +41,14 @@ def save_figure(figure: Figure, path: str | Path, title: str | None = None) -> N
         The ending is not one of matplotlib's, or the folder does not exist or cannot be written.
     ComputationError
         Writing failed, for example on a full disk; an earlier file stays as it was.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> figure = bilayer.draw_mesh(bilayer.generate_mesh(bilayer.paper_specimen()))
+    >>> bilayer.save_figure(figure, folder / "mesh.pdf")
     """
     kind = _format_of(Path(path))
     metadata = _NO_TIME_STAMP.get(kind)

@@ -82,12 +82,32 @@ VIEWS = {"isometric": ISOMETRIC, "above": BIRDS_EYE, "front": FRONT}
 
 
 def draw_isometric(result: xr.Dataset) -> Figure:
-    """Draw an isometric view of every milestone; see `draw_shapes`."""
+    """Draw an isometric view of every milestone; see `draw_shapes`.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> figure = bilayer.draw_isometric(result)
+    """
     return _draw_views(result, [ISOMETRIC])
 
 
 def draw_birds_eye(result: xr.Dataset) -> Figure:
-    """Draw every milestone as seen from above; see `draw_shapes`."""
+    """Draw every milestone as seen from above; see `draw_shapes`.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> figure = bilayer.draw_birds_eye(result)
+    """
     return _draw_views(result, [BIRDS_EYE])
 
 
@@ -117,6 +137,15 @@ def draw_shapes(
     ------
     InputError
         The result holds no shape, or has no such milestone.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> figure = bilayer.draw_shapes(result)
     """
     return _draw_views(result, [view_of(view) for view in views], milestones, field)
 

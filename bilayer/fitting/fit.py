@@ -139,6 +139,15 @@ def fit(
         The law is unknown, or there are too few points.
     ComputationError
         No start leads to constants that make a law.
+
+    Examples
+    --------
+    >>> import bilayer, numpy as np
+    >>> stretch = np.linspace(1.0, 1.5, 11)
+    >>> stress = 40e3 * (stretch - stretch**-2)  # of a neo-Hookean sheet
+    >>> test = bilayer.Measurement("exact", "uniaxial", stretch, stress)
+    >>> round(bilayer.fit([test], "neo-hookean").law.c10)
+    20000
     """
     how = FITTED[one_of("law", law, FITTED)]
     count = sum(len(m.stretch) for m in measurements)

@@ -39,6 +39,13 @@ class Measurement:
         Along the loading.
     stress : ndarray, shape (n,)
         Nominal stress: force over the area before the test, Pa.
+
+    Examples
+    --------
+    >>> import bilayer, numpy as np
+    >>> test = bilayer.Measurement("a", "uniaxial", np.array([1.0, 1.5]), np.array([0.0, 3e4]))
+    >>> test.up_to(1.2).stretch
+    array([1.])
     """
 
     name: str
@@ -68,7 +75,7 @@ def read_measurement(
     stretch_column: str | None = None,
     stress_column: str | None = None,
 ) -> Measurement:
-    """Read a table of stretches and stresses.
+    r"""Read a table of stretches and stresses.
 
     Parameters
     ----------
@@ -87,6 +94,15 @@ def read_measurement(
     ------
     InputError
         The file cannot be read, or a column is not found.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "test.csv"
+    >>> _ = file.write_text("strain (%),stress (kPa)\n0,0\n10,12\n20,18\n")
+    >>> bilayer.read_measurement(file).stretch
+    array([1. , 1.1, 1.2])
     """
     source = Path(path)
     names, table = read_table(source)

@@ -135,6 +135,13 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
         The mesh would not fit into memory.
     ComputationError
         gmsh is not there, or fails.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> mesh = bilayer.generate_mesh(bilayer.paper_specimen())
+    >>> mesh.points.shape[1], mesh.triangles.shape[1]
+    (2, 3)
     """
     check_memory(specimen, BYTES_PER_TRIANGLE, "the mesh")
     with gmsh_session() as gmsh:

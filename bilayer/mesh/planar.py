@@ -40,6 +40,14 @@ class PlanarMesh:
     ------
     InputError
         Shapes or indices do not fit, or it is no single sheet; see `bilayer.mesh.validity`.
+
+    Examples
+    --------
+    >>> import bilayer, numpy as np
+    >>> points = np.array([[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]])
+    >>> mesh = bilayer.PlanarMesh(points, np.array([[0, 1, 2], [0, 2, 3]]), np.array([1, 1]))
+    >>> len(mesh.triangles)
+    2
     """
 
     points: NDArray[np.float64]

@@ -66,6 +66,14 @@ def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
         The format is unknown or cannot hold the layers, or the folder cannot be written.
     ComputationError
         Writing failed, for example on a full disk.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> mesh = bilayer.generate_mesh(bilayer.paper_specimen())
+    >>> bilayer.write_planar_mesh(mesh, folder / "mesh.vtu")
     """
     import meshio  # takes long to load, and few need it
 
@@ -107,6 +115,16 @@ def read_planar_mesh(
     InputError
         The file cannot be read, holds other than triangles in a plane z = constant, has groups of
         no layers, or makes no valid planar mesh.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> mesh = bilayer.generate_mesh(bilayer.paper_specimen())
+    >>> bilayer.write_planar_mesh(mesh, folder / "mesh.vtk")
+    >>> bilayer.read_planar_mesh(folder / "mesh.vtk").same_as(mesh)
+    True
     """
     data, groups = read_mesh_file(path)
     try:

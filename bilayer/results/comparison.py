@@ -60,6 +60,18 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     InputError
         The specimens differ other than in name, mesh size and milestones, the meshes differ, or
         no milestone is common.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> hinge = bilayer.solve(specimen, "dshell", bilayer.HingeSettings())
+    >>> comparison = bilayer.compare(result, hinge)
+    >>> bool(comparison["rms_distance_over_radius"] < 0.1)
+    True
     """
     first, second = along_milestones(first), along_milestones(second)
     _check_same_specimen(result_specimen(first), result_specimen(second))

@@ -91,6 +91,17 @@ def write_result(result: xr.Dataset, path: str | Path, resume: ResumePoint | Non
         The folder does not exist or cannot be written.
     ComputationError
         Writing failed, for example on a full disk; an earlier file of that name stays as it was.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> bilayer.write_result(result, folder / "shell.nc")
     """
     group = None if resume is None else _as_dataset(resume)
     room = result.nbytes + (0 if group is None else group.nbytes) + HDF5_ROOM
@@ -156,6 +167,19 @@ def open_result(path: str | Path) -> xr.Dataset:
     ------
     InputError
         The file is missing or damaged, is no result, or has a newer schema.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> bilayer.write_result(result, folder / "shell.nc")
+    >>> float(bilayer.open_result(folder / "shell.nc")["height"]) == float(result["height"])
+    True
     """
     stored = read_netcdf(path, RESULT_FILE, StoredGroup.of)
     with _named(path):

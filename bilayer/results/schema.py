@@ -87,12 +87,34 @@ class MilestoneState:
 
 
 def result_specimen(result: xr.Dataset) -> Specimen:
-    """Return the specimen that a result was computed for."""
+    """Return the specimen that a result was computed for.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> bilayer.result_specimen(result) == specimen
+    True
+    """
     return parse_specimen(result.attrs["specimen"], source="the result's specimen")
 
 
 def result_mesh(result: xr.Dataset) -> PlanarMesh:
-    """Return the planar mesh that a result was computed on."""
+    """Return the planar mesh that a result was computed on.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> len(bilayer.result_mesh(result).points) == result.sizes["node"]
+    True
+    """
     return PlanarMesh(
         result["reference_position"].values[:, :2],
         result["face_nodes"].values,

@@ -31,6 +31,13 @@ class Cloud:
         Of the file.
     points : ndarray, shape (n, 3)
         m.
+
+    Examples
+    --------
+    >>> import bilayer, numpy as np
+    >>> points = np.random.default_rng(0).normal(size=(50, 3))
+    >>> bilayer.Cloud("made up", points).points.shape
+    (50, 3)
     """
 
     name: str
@@ -47,7 +54,7 @@ class Cloud:
 
 
 def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
-    """Read a scan.
+    r"""Read a scan.
 
     Parameters
     ----------
@@ -61,6 +68,15 @@ def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
     ------
     InputError
         It cannot be read, or holds no points of a surface.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "part.csv"
+    >>> _ = file.write_text("\n".join(f"{k},{k * k},0" for k in range(30)))
+    >>> bilayer.read_cloud(file).points.max(axis=0)
+    array([0.029, 0.841, 0.   ])
     """
     source, unit = Path(path), positive("unit", unit, "m")
     ending = source.suffix.lower()

@@ -98,6 +98,18 @@ def compare_scan(result: xr.Dataset, scan: Cloud) -> list[ScanMatch]:
     ------
     InputError
         The result holds no shape.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> scan = bilayer.Cloud("itself", result["position"].values[0])
+    >>> match, = bilayer.compare_scan(result, scan)
+    >>> match.rms < 1e-3
+    True
     """
     reached = along_milestones(result)
     shapes = released_shapes(reached, result_mesh(reached))

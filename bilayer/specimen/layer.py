@@ -32,6 +32,12 @@ class Response:
         Of "path": the layer takes 1 + factor (lambda - 1) along each axis.
     angle : float
         Of the first axis from x, rad.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Response("path", factor=0.5).axial((1.06, 1.06))
+    (1.03, 1.03)
     """
 
     kind: str = "none"
@@ -101,6 +107,13 @@ class Layer:
         What the prestretch does to it.
     relaxation : PronySeries
         How its stress relaxes; elastic if left out.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> tape = bilayer.MooneyRivlin(c10=4839.1, c01=14536.0)
+    >>> bilayer.Layer("substrate", 1e-3, tape, response=bilayer.Response("path")).is_whole
+    True
     """
 
     name: str
@@ -143,6 +156,13 @@ class BondedLayer:
         Heights above the specimen's reference surface, m.
     stretch : ((float, float), (float, float))
         The symmetric in-plane tensor U from the natural state, in x and y.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> lower, upper = bilayer.paper_specimen().bonded_layers((1.06, 1.06))
+    >>> lower.name, upper.name, [round(1e3 * z, 3) for z in (lower.bottom, lower.top)]
+    ('substrate', 'kirigami', [-0.89, 0.0])
     """
 
     name: str

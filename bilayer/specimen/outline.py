@@ -88,6 +88,12 @@ class Disc(Outline):
     ----------
     radius : float
         m.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Disc(0.04).characteristic_length
+    0.04
     """
 
     radius: float
@@ -125,6 +131,12 @@ class Ellipse(Outline):
     ----------
     width, height : float
         Whole axes along x and y, m.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> round(bilayer.Ellipse(0.08, 0.02).characteristic_length, 6)
+    0.02
     """
 
     width: float
@@ -160,6 +172,12 @@ class Rectangle(Outline):
         Sides along x and y, m.
     corner_radius : float
         Radius of the rounded corners, m; 0: sharp ones.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> round(bilayer.Rectangle(0.04, 0.03).area, 6)
+    0.0012
     """
 
     width: float
@@ -216,6 +234,12 @@ class RegularPolygon(Outline):
         From the centre to the corners, m.
     angle : float
         By which it is turned, rad.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> round(bilayer.RegularPolygon(sides=6, outer_radius=0.02).area, 6)
+    0.001039
     """
 
     sides: int
@@ -256,6 +280,13 @@ class Polygon(Outline):
         Corners in order, either way around, m; the last is joined to the first.
     holes : sequence of sequence of (float, float)
         Corners of each hole, m.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> triangle = bilayer.Polygon(((0.0, 0.0), (0.04, 0.0), (0.0, 0.03)))
+    >>> round(triangle.area, 6)
+    0.0006
     """
 
     points: Ring

@@ -23,7 +23,15 @@ KEPT_OR_CUT = ("kept", "cut")
 
 
 class Pattern(Protocol):
-    """The part of the outline on which a layer lies."""
+    """The part of the outline on which a layer lies.
+
+    Examples
+    --------
+    >>> import bilayer, shapely
+    >>> ring = shapely.Point(0, 0).buffer(0.03) - shapely.Point(0, 0).buffer(0.02)
+    >>> pattern = bilayer.Pattern.from_geometry(ring)
+    >>> specimen = bilayer.paper_specimen().with_layer("kirigami", pattern=pattern)
+    """
 
     def kept(self, outline: Outline) -> shapely.Geometry:
         """Return the part of an outline where the layer lies."""
@@ -86,6 +94,12 @@ class CutPattern(Pattern):
         Where the cutouts begin, m.
     cutout_angle : float
         Central angle of one cutout (the paper's dTheta), rad.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.CutPattern(strips=5, inner_radius=0.008, cutout_angle=0.3).words
+    '5 strips, cutouts of 0.3 rad from 8 mm outward'
     """
 
     strips: int
@@ -151,6 +165,13 @@ class SectorProfile(Pattern):
     half_angles : sequence of float
         Half of a cutout's central angle at each radius, rad; from 0 (the cutout begins as a point)
         to less than pi / strips.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> petals = bilayer.SectorProfile(6, radii=(0.006, 0.022), half_angles=(0.05, 0.25))
+    >>> petals.kept(bilayer.Disc(0.03)).area < bilayer.Disc(0.03).area
+    True
     """
 
     strips: int
@@ -220,6 +241,14 @@ class Polygons(Pattern):
         Corners of each, m; together they are their union.
     what : {"kept", "cut"}
         What they are.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> window = ((-0.01, -0.01), (0.01, -0.01), (0.01, 0.01), (-0.01, 0.01))
+    >>> around = bilayer.Polygons((window,), "cut").kept(bilayer.Rectangle(0.04, 0.04))
+    >>> round(around.area, 6)
+    0.0012
     """
 
     polygons: tuple[Ring, ...]
@@ -264,6 +293,13 @@ class Contours(Pattern):
         Points of each, m; they do not cross each other.
     what : {"kept", "cut"}
         What they bound.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> square = ((-0.01, -0.01), (0.01, -0.01), (0.01, 0.01), (-0.01, 0.01))
+    >>> round(bilayer.Contours((square,)).kept(bilayer.Disc(0.04)).area, 6)
+    0.0004
     """
 
     contours: tuple[Ring, ...]
@@ -319,6 +355,13 @@ class Cross(Pattern):
         From one end of a bar to the other, m; None: from rim to rim.
     angle : float
         Of the first bar from the x axis, rad.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> cross = bilayer.Cross(arm_width=0.004, arm_length=0.03)
+    >>> round(cross.kept(bilayer.Rectangle(0.04, 0.04)).area, 6)
+    0.000224
     """
 
     arm_width: float

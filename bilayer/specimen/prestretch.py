@@ -29,6 +29,12 @@ class Prestretch:
     thickness : {"natural", "constant"}
         "natural": a stretched layer keeps its volume, bonded thickness = natural / det U.
         "constant": `Layer.thickness` whatever the stretch, the paper's simplification.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Prestretch([1.03, (1.06, 1.0)]).milestones
+    ((1.03, 1.03), (1.06, 1.0))
     """
 
     milestones: tuple[StretchPair, ...]

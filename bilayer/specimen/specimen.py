@@ -42,6 +42,12 @@ class MeshSize:
         Edge length, m.
     corner_size : float or None
         Edge length at the corners of the cuts, m; None: `size` everywhere.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> coarse = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(0.006))
     """
 
     size: float = 0.003
@@ -81,6 +87,21 @@ class Specimen:
     loads : sequence of Load
         With a value at each milestone. If they have more values than there are prestretches, the
         single prestretch holds at all of them.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> soft, stiff = bilayer.NeoHookean(c10=20e3), bilayer.NeoHookean(c10=60e3)
+    >>> specimen = bilayer.Specimen(
+    ...     bilayer.Rectangle(0.04, 0.03),
+    ...     [
+    ...         bilayer.Layer("substrate", 1e-3, soft, response=bilayer.Response("path")),
+    ...         bilayer.Layer("kirigami", 1e-3, stiff, pattern=bilayer.Cross(arm_width=0.004)),
+    ...     ],
+    ...     bilayer.Prestretch([1.03, 1.06]),
+    ... )
+    >>> specimen.layer_names
+    ('substrate', 'kirigami')
     """
 
     outline: Outline

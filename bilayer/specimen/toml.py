@@ -39,7 +39,14 @@ def template() -> str:
 
 
 def paper_specimen() -> Specimen:
-    """Return the paper's specimen (section V), as the template states it."""
+    """Return the paper's specimen (section V), as the template states it.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.paper_specimen().outline
+    Disc(radius=0.04)
+    """
     return parse_specimen(template())
 
 
@@ -57,6 +64,15 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
     ------
     InputError
         The file is missing or malformed, a key is unknown, or a value is out of its range.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "a.toml").write_text(bilayer.specimen_to_toml(bilayer.paper_specimen()))
+    >>> bilayer.read_specimen(folder / "a.toml", ["mesh.size='6 mm'"]).mesh.size
+    0.006
     """
     text = read_text(path, "specimen file")
     return parse_specimen_file(text, overrides, str(path), Path(path).parent)
@@ -104,7 +120,15 @@ def _check_thickness(specimen: Specimen) -> None:
 def parse_specimen(
     text: str, overrides: Iterable[str] = (), source: str = "specimen text"
 ) -> Specimen:
-    """Read a specimen from TOML text; see `read_specimen`."""
+    """Read a specimen from TOML text; see `read_specimen`.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> text = bilayer.specimen_to_toml(bilayer.paper_specimen())
+    >>> bilayer.parse_specimen(text, ["substrate.thickness='0.8 mm'"]).layer("substrate").thickness
+    0.0008
+    """
     return specimen_from_tables(with_drawings(_tables(text, overrides, source), None))
 
 
@@ -124,6 +148,12 @@ def specimen_to_toml(specimen: Specimen) -> str:
     """Return the TOML text that reads back as the same specimen, the short form if it can be.
 
     Materials are written by the constants that they hold, so that no digit is lost.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> print(bilayer.specimen_to_toml(bilayer.paper_specimen())[:10])
+    [specimen]
     """
     bilayer = bilayer_of(specimen)
     if bilayer is None:

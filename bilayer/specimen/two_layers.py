@@ -124,6 +124,20 @@ def disc_bilayer(
         Where the kirigami layer lies, seen from the substrate.
     stretched : sequence of {"substrate", "kirigami"}
         Which layers take the prestretch, one or both.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> soft, stiff = bilayer.NeoHookean(c10=20e3), bilayer.NeoHookean(c10=60e3)
+    >>> specimen = bilayer.disc_bilayer(
+    ...     0.04,
+    ...     bilayer.Layer("substrate", 1e-3, soft),
+    ...     bilayer.Layer("kirigami", 1e-3, stiff),
+    ...     bilayer.Prestretch([1.03]),
+    ...     cut=bilayer.CutPattern(5, 0.008, 0.3),
+    ... )
+    >>> specimen.stretched_layers
+    ('substrate',)
     """
     names = stretched_layers(stretched)
     responses = {name: Response("path") if name in names else Response() for name in LAYERS}

@@ -51,6 +51,12 @@ def open_study(path: str | Path) -> xr.Dataset:
         There is no study in the folder.
     ComputationError
         The package dask is missing.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> study = bilayer.open_study("study")  # doctest: +SKIP
+    >>> study["quality"].sel({"cut.strips": 5, "prestretch": 1.15})  # doctest: +SKIP
     """
     folder = StudyFolder(path)
     planned = folder.read_plan()

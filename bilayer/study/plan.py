@@ -72,6 +72,21 @@ def read_study(path: str | Path, *, trust: bool = False, notice: Notice = _keep_
     InputError
         A file is missing or malformed, a field is unknown, or a case is not valid: the message
         names the case and the field.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> text = bilayer.specimen_to_toml(bilayer.paper_specimen())
+    >>> _ = (folder / "specimen.toml").write_text(text)
+    >>> _ = (folder / "study.toml").write_text('''
+    ... specimen = "specimen.toml"
+    ... solver = "dshell"
+    ... vary = { "cut.strips" = [4, 5], "mesh.size" = [0.014], "prestretch.milestones" = [1.02] }
+    ... ''')
+    >>> len(bilayer.read_study(folder / "study.toml").cases)
+    2
     """
     tables = _tables(Path(path))
     specimen_file = tables.get("specimen")

@@ -80,6 +80,21 @@ def run_study(
     ComputationError
         Another study runs in the folder, or it cannot be written any more, for example on a full
         disk; the cases that are finished stay.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import bilayer
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> text = bilayer.specimen_to_toml(bilayer.paper_specimen())
+    >>> _ = (folder / "specimen.toml").write_text(text)
+    >>> _ = (folder / "study.toml").write_text('''
+    ... specimen = "specimen.toml"
+    ... solver = "dshell"
+    ... vary = { "cut.strips" = [4, 5], "mesh.size" = [0.014], "prestretch.milestones" = [1.02] }
+    ... ''')
+    >>> plan = bilayer.read_study(folder / "study.toml")
+    >>> index = bilayer.run_study(plan, folder / "study")  # doctest: +SKIP
     """
     folder, told = StudyFolder(path), notice or _tell_nobody
     set_aside_strange(folder, told)

@@ -79,8 +79,13 @@ def view(
     Examples
     --------
     >>> import bilayer
-    >>> result = bilayer.solve(bilayer.paper_specimen(), "dshell")  # doctest: +SKIP
-    >>> bilayer.view(result).save("shape.html")  # doctest: +SKIP
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> bilayer.view(result).save(folder / "shape.html")
     """
     here = files("bilayer.viewer")
     scene = scene_of([result] if other is None else [result, other], coloured_by)

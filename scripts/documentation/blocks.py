@@ -99,4 +99,4 @@ def commands_of(page: str) -> Iterator[str]:
     joined = re.sub(r" *\\\n *", " ", page)
     for block in re.findall(r"^(?:    .*\n)+|^```bash\n.*?^```$", joined, re.DOTALL | re.MULTILINE):
         for words in COMMAND.findall(block):
-            yield re.sub(r"  +#.*| +# .*|[;>].*", "", words).strip()
+            yield re.sub(r"  +#.*| +# .*|[;>|].*", "", words).strip()

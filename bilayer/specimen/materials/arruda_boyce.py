@@ -34,6 +34,13 @@ class ArrudaBoyce(Hyperelastic):
         Stretch of a chain at which it locks. The series itself does not lock.
     d1 : float
         Compressibility, 1/Pa; 0 is incompressible.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> law = bilayer.ArrudaBoyce(mu=30e3, lambda_m=3.0)
+    >>> round(law.poisson_ratio, 3)
+    0.5
     """
 
     mu: float

@@ -28,6 +28,12 @@ class Gent(Hyperelastic):
         I1 - 3 at which the law locks.
     d1 : float
         Compressibility, 1/Pa; 0 is incompressible.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Gent(mu=30e3, jm=20.0).poisson_ratio
+    0.5
     """
 
     mu: float

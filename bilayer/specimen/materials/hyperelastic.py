@@ -38,6 +38,12 @@ class Hyperelastic(ABC):
         compiles anew for each of their values.
     d1 : float
         Compressibility, 1/Pa; 0 is incompressible.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> isinstance(bilayer.NeoHookean(c10=20e3), bilayer.Hyperelastic)
+    True
     """
 
     name: ClassVar[str]

@@ -24,6 +24,12 @@ class LinearElastic:
         E, Pa.
     poisson_ratio : float
         nu, from 0 to 0.5.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.LinearElastic(young_modulus=116250.0, poisson_ratio=0.49).young_modulus
+    116250.0
     """
 
     young_modulus: float

@@ -20,6 +20,13 @@ class MooneyRivlin(Hyperelastic):
         Constants of the first and second isochoric invariant, Pa; their sum is positive.
     d1 : float
         Compressibility, 1/Pa; 0 is incompressible.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> law = bilayer.MooneyRivlin(c10=4839.1, c01=14536.0)
+    >>> round(law.young_modulus)
+    116251
     """
 
     c10: float

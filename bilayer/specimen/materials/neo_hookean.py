@@ -10,7 +10,14 @@ from bilayer.specimen.materials.mooney_rivlin import MooneyRivlin
 
 @dataclass(frozen=True)
 class NeoHookean(MooneyRivlin):
-    """Mooney-Rivlin without the second invariant: C01 = 0."""
+    """Mooney-Rivlin without the second invariant: C01 = 0.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> round(bilayer.NeoHookean(c10=20e3).young_modulus)
+    120000
+    """
 
     c01: float = 0.0
 

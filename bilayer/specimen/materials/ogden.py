@@ -34,6 +34,12 @@ class Ogden(Hyperelastic):
         Their exponents, as many.
     d1 : float
         Compressibility, 1/Pa; 0 is incompressible.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Ogden(mu=(30e3, 8e3), alpha=(1.3, -2.0)).poisson_ratio
+    0.5
     """
 
     mu: tuple[float, ...]

@@ -27,6 +27,14 @@ def register_law(kind: Any) -> Any:
     ------
     InputError
         Another law has the name, or the class lacks what a specimen file needs of it.
+
+    Examples
+    --------
+    A law is a class with constants, their units and its energy; docs/materials.md has a whole one.
+
+    >>> import bilayer
+    >>> bilayer.register_law(bilayer.NeoHookean) is bilayer.NeoHookean
+    True
     """
     name = getattr(kind, "name", None)
     if not isinstance(name, str) or not isinstance(getattr(kind, "units", None), Mapping):

@@ -23,6 +23,12 @@ class Yeoh(Hyperelastic):
         Constants of the first three powers of I1 - 3, Pa; c10 is positive.
     d1 : float
         Compressibility, 1/Pa; 0 is incompressible.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> round(bilayer.Yeoh(c10=20e3, c20=-400.0, c30=50.0).young_modulus)
+    120000
     """
 
     c10: float
