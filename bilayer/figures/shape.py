@@ -171,6 +171,15 @@ def draw_shape(
     ------
     InputError
         The result has no such milestone, or no shape there.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> figure = bilayer.draw_shape(result, 1.03, view=(45.0, 20.0))
     """
     chosen = choose_milestones(along_milestones(result), [milestone])
     seen = view_of(view)
