@@ -60,8 +60,8 @@ def _failure(shell: xr.Dataset) -> tuple[str, str]:
         return (
             said,
             "not reproduced with the default settings; the shell's run ends at every prestretch up "
-            f"to {float(shell['prestretch'].max()):g} (docs/theory-dshell.md has the time steps "
-            "with which it stops).",
+            f"to {float(shell['prestretch'].max()):g} (docs/shell-measurements.md has the time "
+            "steps with which it stops).",
         )
     return said, f"the shell's run stopped: {shell.attrs['stop_reason']}."
 

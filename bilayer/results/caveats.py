@@ -23,7 +23,7 @@ SHARPEST_TURN = np.radians(20)
 
 An edge between triangles of size h turns by h k / sqrt(3) where the curvature is k: 20 degrees are
 0.6 mesh sizes to a radius of curvature. Beyond, the best sphere of the template is 2 to 8 % off
-(docs/theory-dshell.md, "Mesh and curvature").
+(docs/shell-measurements.md, "Mesh and curvature").
 """
 
 
