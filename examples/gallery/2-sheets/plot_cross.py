@@ -6,11 +6,12 @@ The two-layer version of published bistable sheets: a stretched square of 40 mm 
 onto it. The file is ``examples/square_cross.toml``.
 """
 
+import sys
 from pathlib import Path
 
 import bilayer
 
-EXAMPLES = Path(__file__).parents[2]
+EXAMPLES = Path(sys.argv[0]).resolve().parents[2]
 specimen = bilayer.read_specimen(EXAMPLES / "square_cross.toml", ["mesh.size='3 mm'"])
 result = bilayer.solve(specimen.with_milestones([1.05, 1.1, 1.15, 1.2]), "dshell")
 print(result[["height", "unstable_modes"]].to_dataframe())

@@ -6,11 +6,12 @@ An SVG or DXF drawing gives the outline on one layer and the cuts on another
 (``examples/own_drawing.toml``, ``examples/petals.svg``). Any drawing program can make one.
 """
 
+import sys
 from pathlib import Path
 
 import bilayer
 
-EXAMPLES = Path(__file__).parents[2]
+EXAMPLES = Path(sys.argv[0]).resolve().parents[2]
 specimen = bilayer.read_specimen(EXAMPLES / "own_drawing.toml", ["mesh.size='5 mm'"])
 figure = bilayer.draw_mesh(bilayer.generate_mesh(specimen))
 

@@ -7,11 +7,12 @@ upper layer does, the lower one undoes: the flat sheet only shrinks. Nothing is 
 result.
 """
 
+import sys
 from pathlib import Path
 
 import bilayer
 
-EXAMPLES = Path(__file__).parents[2]
+EXAMPLES = Path(sys.argv[0]).resolve().parents[2]
 specimen = bilayer.read_specimen(EXAMPLES / "trilayer_lotus.toml", ["mesh.size='2.5 mm'"])
 flat = bilayer.solve(specimen.with_milestones([1.1, 1.2]), "dshell")
 assert float(abs(flat["height"]).max()) < 1e-9

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bilayer
 
-HERE = Path(__file__).parent
+HERE = Path(sys.argv[0]).resolve().parent
 folder = Path(tempfile.mkdtemp())
 (folder / "specimen.toml").write_text(bilayer.specimen_to_toml(bilayer.paper_specimen()))
 command = [

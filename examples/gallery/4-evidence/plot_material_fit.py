@@ -6,12 +6,13 @@ Uniaxial loading of VHB 4910 at 0.01 1/s, from the public data set Chongran-Zhao
 (smoothed and thinned). ``fit`` finds the constants of a law, with their 95 % intervals.
 """
 
+import sys
 from pathlib import Path
 
 import bilayer
 from bilayer.figures.fit import draw_fits
 
-DATA = Path(__file__).parent / "vhb4910_uniaxial.csv"
+DATA = Path(sys.argv[0]).resolve().parent / "vhb4910_uniaxial.csv"
 measured = bilayer.read_measurement(DATA, "uniaxial")
 fits = [bilayer.fit([measured], law) for law in ("mooney-rivlin", "yeoh", "ogden-1")]
 

@@ -7,11 +7,12 @@ can be trusted. The square with a cross is 2.7 mm thick, 12 % of its characteris
 stands for thin sheets, and the distance shows it.
 """
 
+import sys
 from pathlib import Path
 
 import bilayer
 
-EXAMPLES = Path(__file__).parents[2]
+EXAMPLES = Path(sys.argv[0]).resolve().parents[2]
 specimen = bilayer.read_specimen(EXAMPLES / "square_cross.toml", ["mesh.size='4 mm'"])
 specimen = specimen.with_milestones([1.03, 1.06])
 mesh = bilayer.generate_mesh(specimen)
