@@ -56,6 +56,12 @@ class Load:
         Where it acts.
     direction : (float, float, float)
         Of the force or displacement, made a unit vector; a pressure has none.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Load("blow", "pressure", [0.0, 50.0]).values
+    (0.0, 50.0)
     """
 
     name: str

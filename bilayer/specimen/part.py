@@ -32,6 +32,12 @@ class Limit:
         On which side of the bound the part lies.
     bound : float
         m.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> str(bilayer.Part("sheet", (bilayer.Limit("r", ">=", 0.03),)))
+    'the sheet, r >= 30 mm'
     """
 
     measured: str

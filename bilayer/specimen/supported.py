@@ -27,6 +27,12 @@ class Support:
         What is held.
     axes : str
         The coordinates that are held, some of "xyz"; "" are those of the kind.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> bilayer.Support("rim", "clamped", bilayer.Part("rim")).kind
+    'clamped'
     """
 
     name: str

@@ -16,7 +16,7 @@ SKIPPED = {
 
 def example_of(name):
     finder = doctest.DocTestFinder(recurse=False)
-    (found,) = finder.find(getattr(bilayer, name), f"bilayer.{name}", globs={})
+    (found,) = finder.find(getattr(bilayer, name), f"bilayer.{name}")
     return found
 
 
