@@ -56,6 +56,16 @@ def save_animation(
         The result holds no shape, the ending is another one, or the folder cannot be written.
     ComputationError
         Writing failed, or the program ffmpeg is not there for an .mp4.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.02, 1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> bilayer.save_animation(result, pathlib.Path(tempfile.mkdtemp()) / "rise.gif")
     """
     check_animation_output(path)
     result = along_milestones(result)

@@ -47,6 +47,16 @@ def solve_between(
     ------
     InputError
         No solver of ours made the result, its settings are not plain, or `count` is less than 0.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.02, 1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> bilayer.solve_between(result, 1)["prestretch"].values.round(3)
+    array([1.02 , 1.025, 1.03 ])
     """
     if count < 0:
         raise InputError(f"between = {count}: expected a whole number of at least 0")
