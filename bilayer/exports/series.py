@@ -58,8 +58,13 @@ def convert_series(
     Examples
     --------
     >>> import bilayer
-    >>> result = bilayer.open_result("shell.nc")  # doctest: +SKIP
-    >>> bilayer.convert_series(result, "shape.pvd", "volume")  # doctest: +SKIP
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> bilayer.convert_series(result, folder / "shape.pvd", "volume")
     """
     target = Path(path)
     if target.suffix.lower() != ENDING:

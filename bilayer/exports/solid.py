@@ -61,6 +61,17 @@ def convert_solid(
         The milestone was not reached, the ending is another, or the folder cannot be written.
     ComputationError
         trimesh is missing, the surface is not closed, or writing failed.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> import pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> bilayer.convert_solid(result, folder / "dome.stl")
     """
     check_solid_output(path)
     ending = Path(path).suffix.lower()

@@ -69,9 +69,12 @@ def fields(
     Examples
     --------
     >>> import bilayer
-    >>> specimen = bilayer.read_specimen("specimen.toml")  # doctest: +SKIP
-    >>> found = bilayer.fields(bilayer.solve(specimen, "dshell"))  # doctest: +SKIP
-    >>> found["cauchy_stress"].sel(sheet_layer="substrate", level="top")  # doctest: +SKIP
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> found = bilayer.fields(result)
+    >>> stress = found["cauchy_stress"].sel(sheet_layer="substrate", level="top")  # Pa
     """
     result = along_milestones(result)
     found = shape_fields(result, other)
