@@ -64,7 +64,7 @@ def convert_series(
     >>> result = bilayer.solve(specimen, "dshell")
     >>> import pathlib, tempfile
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> bilayer.convert_series(result, folder / "shape.pvd", "volume")
+    >>> paths = bilayer.convert_series(result, folder / "shape.pvd", "volume")
     """
     target = Path(path)
     if target.suffix.lower() != ENDING:
