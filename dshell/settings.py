@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from bilayer.errors import InputError
 from bilayer.specimen.prestretch import BONDED_THICKNESS_RULES
-from bilayer.specimen.settings import BRANCH_CHOICES, setting
+from bilayer.specimen.settings import BRANCH_CHOICES, CONTACT_CHOICES, setting
 from bilayer.validation import (
     LARGEST,
     fraction,
@@ -19,7 +19,6 @@ from bilayer.validation import (
 )
 from dshell.energies.through_thickness import PROFILES
 
-CONTACT_CHOICES = ("none", "barrier")
 METHOD_NAMES = ("static", "dynamic")
 """Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
 MOST_TIME_STEPS = 10_000_000

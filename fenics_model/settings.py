@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from bilayer.errors import InputError
-from bilayer.specimen.settings import BRANCH_CHOICES, setting
+from bilayer.specimen.settings import BRANCH_CHOICES, CONTACT_CHOICES, setting
 from bilayer.specimen.specimen import KIRIGAMI_LAYER, SUBSTRATE, Specimen
-from bilayer.validation import LARGEST, finite, fraction, keep, one_of, whole, within
+from bilayer.validation import LARGEST, finite, fraction, keep, one_of, positive, whole, within
 from fenics_model.plain_options import not_plain_option
 
 BYTES_PER_TRIANGLE = 300_000
@@ -69,6 +69,16 @@ class SolidSettings:
         "saddle-shaped vertical load that breaks the symmetry, acceleration at the rim, "
         "gone at every milestone [m/s2]",
     )
+    contact: str = setting(
+        "none",
+        "'barrier': the body does not pass through itself (frictionless contact; needs ipctk); "
+        "'none': it may, and shapes that do are flagged",
+    )
+    contact_range: float = setting(
+        0.1,
+        "barrier: distance from which on nothing acts, as a fraction of the thickness of all "
+        "layers; less if the flat mesh has smaller distances [1]",
+    )
     petsc_options: str = setting(
         "",
         "further PETSc options, such as '-bilayer_mat_mumps_icntl_4 2'; their prefix is bilayer_",
@@ -90,6 +100,8 @@ class SolidSettings:
         keep(self, within, *steps, table="solver.", low=SMALLEST_STEP, high=LARGEST)
         keep(self, fraction, "tolerance", "path_tolerance", table="solver.")
         keep(self, finite, "imperfection", table="solver.")
+        keep(self, one_of, "contact", table="solver.", choices=CONTACT_CHOICES)
+        keep(self, positive, "contact_range", table="solver.")
         keep(self, one_of, "branch", table="solver.", choices=BRANCH_CHOICES)
         for smaller, larger in (("smallest_step", "first_step"), ("first_step", "largest_step")):
             if getattr(self, smaller) > getattr(self, larger):

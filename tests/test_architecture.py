@@ -54,6 +54,7 @@ FLOORS = {
         ["api"],
         ["mesh"],
         ["solid"],
+        ["contact"],
         ["solve"],
         ["branches"],
         ["path"],

@@ -13,6 +13,8 @@ ipctk finds the pairs. Those that may come within range are kept until a point h
 as was allowed for.
 """
 
+import itertools
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -31,6 +33,9 @@ RANGE_SHARE_OF_FLAT = 0.5
 """Largest range, over the smallest distance of two places of the flat skin that may touch."""
 SLACK = 1.0
 """Motion for which pairs are kept, over the range."""
+LONGEST_PART = 25.0
+"""Motion that is looked at in one go when the skin is far from itself, over the range: places that
+move far sweep so much room that most others are in their way."""
 CLEARANCE = 0.25
 """Motion that is allowed for when the skin is found clear of itself, over the range."""
 
@@ -139,6 +144,12 @@ class Barrier:
 
     def stays_clear(self, start: Array, end: Array) -> bool:
         """Whether no two places come within range on straight ways from start to end."""
+        longest = np.sqrt(((end - start) ** 2).sum(axis=1).max())
+        parts = np.linspace(0, 1, 1 + max(1, math.ceil(longest / (LONGEST_PART * self.range))))
+        ways = [(1 - part) * start + part * end for part in parts[1:-1]]
+        return all(self._part_stays_clear(*way) for way in itertools.pairwise([start, *ways, end]))
+
+    def _part_stays_clear(self, start: Array, end: Array) -> bool:
         if self._is_clear(start) and self._is_clear(end):
             return True
         ends = np.asfortranarray(start), np.asfortranarray(end)

@@ -43,6 +43,10 @@ class SkinBarrierState(Protocol):
 class SkinBarrier(Protocol):
     """A barrier that acts on the points of a skin."""
 
+    @property
+    def range(self) -> float:
+        """Distance from which on nothing acts, m."""
+
     def at(self, points: Array) -> SkinBarrierState:
         """Return the barrier with the skin's points at (k, 3), m."""
 
@@ -67,6 +71,11 @@ class SeveralBarriers:
 
     def __init__(self, parts: Sequence[SkinBarrier]) -> None:
         self._parts = parts
+
+    @property
+    def range(self) -> float:
+        """See `SkinBarrier`: the smallest one."""
+        return min(part.range for part in self._parts)
 
     def at(self, points: Array) -> "SeveralStates":
         """See `SkinBarrier`."""

@@ -1,15 +1,32 @@
 """How a body touches itself: forces, pressures and gap of the barrier in one state."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.contact.several import SkinBarrier, SkinBarrierState
-from bilayer.contact.skin_map import SkinMap
 from bilayer.geometry.surface import Surface
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Covering(Protocol):
+    """A skin, and what of the planar mesh lies under it."""
+
+    @property
+    def mesh_triangles(self) -> Indices:
+        """The planar mesh, (m, 3)."""
+
+    @property
+    def triangles(self) -> Indices:
+        """The skin by its points, (t, 3)."""
+
+    @property
+    def face(self) -> Indices:
+        """The mesh's triangle that each of them covers, (t,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +57,7 @@ class Touching:
     crosses: bool
 
 
-def measure_touching(skin: SkinMap, barrier: SkinBarrier, state: SkinBarrierState) -> Touching:
+def measure_touching(skin: Covering, barrier: SkinBarrier, state: SkinBarrierState) -> Touching:
     """Return how a body touches itself.
 
     Each point's force is shared by the skin's triangles around it as their areas are.

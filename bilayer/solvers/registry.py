@@ -28,6 +28,8 @@ SOLVERS = {"fenics": "fenics_model", "dshell": "dshell"}
 
 STARTS = ("shell", "flat")
 """Starts by name: the shapes of the accurate shell as initial guesses, or the flat state."""
+SHARED = ("contact", "contact_range")
+"""Settings that the shell which leads another solver has from it."""
 
 
 def solver_named(name: str) -> Solver:
@@ -120,7 +122,7 @@ def solve(
             asked,
             settings_class(solver)() if settings is None else settings,
             mesh=mesh,
-            start=_start_of(asked, chosen, start),
+            start=_start_of(asked, chosen, start, settings),
             comm=comm,
             progress=report,
             observers=observers,
@@ -175,7 +177,7 @@ def follow(
         asked,
         settings_class(solver)() if settings is None else settings,
         mesh=mesh,
-        start=_start_of(asked, chosen, start),
+        start=_start_of(asked, chosen, start, settings),
         comm=comm,
         observers=observers,
     )
@@ -197,7 +199,7 @@ def specimen_given(specimen: Specimen | str | Path) -> Specimen:
 
 
 def _start_of(
-    specimen: Specimen, solver: Solver, start: xr.Dataset | Neighbour | str | None
+    specimen: Specimen, solver: Solver, start: xr.Dataset | Neighbour | str | None, settings: Any
 ) -> Start:
     """Return the start in the form that a path takes."""
     chosen = solver.default_start if start is None else start
@@ -207,10 +209,16 @@ def _start_of(
         return None
     if solver.name == "dshell":
         raise InputError("start = 'shell': expected 'flat' or a result, the shell leads itself")
-    return partial(_shell_result, specimen)
+    return partial(_shell_result, specimen, _shell_settings(settings))
 
 
-def _shell_result(specimen: Specimen, mesh: PlanarMesh) -> xr.Dataset:
+def _shell_settings(settings: Any) -> Any:
+    """Return the settings of the shell that leads another solver: its own, contact as there."""
+    shared = {name: getattr(settings, name) for name in SHARED if hasattr(settings, name)}
+    return settings_class("dshell")(**shared)
+
+
+def _shell_result(specimen: Specimen, settings: Any, mesh: PlanarMesh) -> xr.Dataset:
     """Return the accurate shell at the milestones and between, as far as it comes.
 
     Raises
@@ -222,7 +230,7 @@ def _shell_result(specimen: Specimen, mesh: PlanarMesh) -> xr.Dataset:
         result = solve_with(
             solver_named("dshell"),
             with_waypoints(specimen),
-            settings_class("dshell")(),
+            settings,
             mesh=mesh,
             measure_shape=leave_unmeasured,
         )

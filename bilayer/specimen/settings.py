@@ -20,6 +20,8 @@ Settings = TypeVar("Settings")
 
 BRANCH_CHOICES = ("lowest", "other", "unstable")
 """Values of the setting `branch`: the branch to follow after a loss of stability."""
+CONTACT_CHOICES = ("none", "barrier")
+"""Values of the setting `contact`: whether a sheet may pass through itself."""
 
 
 def setting(default: Any, text: str, not_plain: Callable[[Any], str] | None = None) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.contact.barrier import Barrier
+from bilayer.contact.limits import barrier_range, barrier_stiffness
 from bilayer.contact.skin import BondedBody
 from bilayer.contact.skin_map import SkinMap
 from bilayer.geometry.alignment import align, best_rotation, move_onto_held_points
@@ -47,10 +48,6 @@ class ContactLimits:
     range: float
 
 
-STIFFNESS = 0.03
-"""Of the barrier, over Young's modulus of the softest layer: a few times the pressures that a bent
-sheet bears. A stiffer barrier keeps places farther apart in its range and asks for more iterations:
-on the paper's specimen up to 29 at 0.1 where it asks for 12 at 0.03."""
 ROUND_OFF = 1e-13
 """Residual force, over E t R of the stiffer layer, that no equilibrium can be asked to go below."""
 ESCAPE = 0.1
@@ -201,13 +198,11 @@ class SpecimenShell:
     def _barrier(self) -> Barrier:
         limits = self._contact_limits
         assert limits is not None
-        layers = self.specimen.layers
-        thickness = sum(layer.thickness for layer in layers)
         return Barrier.of(
             self._skin,
             flat_surface(self.mesh).points,
-            range=limits.range * thickness,
-            stiffness=STIFFNESS * min(layer.material.young_modulus for layer in layers),
+            range=barrier_range(self.specimen, limits.range),
+            stiffness=barrier_stiffness(self.specimen),
         )
 
     def _bonded_body(self, stretch: StretchPair) -> BondedBody:

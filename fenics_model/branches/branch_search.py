@@ -227,6 +227,7 @@ class BranchSearch:
         reference: float,
     ) -> _Descent:
         """Follow a mode down to a stable equilibrium."""
+        self._newton.set_out_from(start)
         state, effort = start, Effort()
         for _ in range(self._rule.landings):
             if mode is None:

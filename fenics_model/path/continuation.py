@@ -155,6 +155,7 @@ class Continuation:
 
     def _advance(self, goal: float) -> LoadPoint | None:
         """Attempt one step; None if it failed and a smaller one is due."""
+        self._newton.set_out_from(self.predictor.last)
         guided = None if self._guide is None else self._guide.propose_step(self.parameter, goal)
         there = self._next_step(goal) if guided is None else guided
         self._load(there)

@@ -36,6 +36,9 @@ class GuideRule:
         Residual, over the reference, down to which it is relaxed.
     far_from_guess : float
         Largest distance of a solution from its prediction, over the length of the predicted step.
+    far_in_contact : float
+        The same if the body presses on itself: there a small difference between the two bodies
+        decides where, and what was extrapolated bends off.
     longest_way : float
         Change of the prestretch up to which a shape is in reach.
     iteration_limit : int
@@ -47,6 +50,7 @@ class GuideRule:
     far_from_balance: float = 0.5
     relaxed_residual: float = 0.1
     far_from_guess: float = 0.5
+    far_in_contact: float = 1.5
     longest_way: float = LONGEST_WAY
     iteration_limit: int = 6
     flow_steps: int = 60
@@ -196,8 +200,9 @@ class Guide:
 
     def _is_far_from_guess(self, before: State, predicted: State, found: State) -> bool:
         """Whether a solution is so far from its prediction that it is on another branch."""
-        norm = self._newton.solid.displacement_norm
-        return norm(found - predicted) > self._rule.far_from_guess * norm(before - predicted)
+        norm, rule = self._newton.solid.displacement_norm, self._rule
+        far = rule.far_in_contact if self._newton.touches(found) else rule.far_from_guess
+        return norm(found - predicted) > far * norm(before - predicted)
 
     def reject_shape(self, there: float, reason: str) -> None:
         """Propose no step until the equilibrium at one of the shapes is known; note the reason."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from importlib.metadata import version
 
 import basix
 import dolfinx
@@ -13,10 +14,13 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from bilayer.contact.package import PACKAGE as CONTACT_PACKAGE
+from bilayer.contact.touching import Touching, measure_touching
 from bilayer.geometry.alignment import move_onto_held_points
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.contact_variables import contact_dataset
 from bilayer.results.start_shapes import StartShapes
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Linearised, Recorded, Saved
@@ -31,6 +35,7 @@ from fenics_model.path.guide import Guide
 from fenics_model.path.load_schedule import WEIGHT_WAY, LoadSchedule
 from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
+from fenics_model.release.body_contact import make_contact
 from fenics_model.release.branch_fields import branch_dataset
 from fenics_model.release.effort_fields import effort_dataset
 from fenics_model.release.layer_states import layer_states
@@ -47,6 +52,7 @@ from fenics_model.solid.numbering import Numbering
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton
 from fenics_model.solve.stopwatch import Stopwatch
+from fenics_model.solve.touching_newton import TouchingNewton
 
 Array = NDArray[np.float64]
 
@@ -70,10 +76,13 @@ class MilestoneDetails:
         Deformed vertices of the volume mesh, m.
     departure : BranchSearchOutcome or None
         How an unstable equilibrium was left, without its state.
+    touching : Touching or None
+        How the body touches itself; None if contact is not modelled.
     """
 
     vertices: Array
     departure: BranchSearchOutcome | None
+    touching: Touching | None
 
 
 class SolidEquilibrium:
@@ -138,11 +147,17 @@ class SolidEquilibrium:
 
     @property
     def energy(self) -> Mapping[str, float]:
-        """Strain energy of each layer, J."""
-        return {
+        """Strain energy of each layer, and that of the barrier if contact is modelled, J."""
+        layers = {
             name: self._body.solid.layer_energy(layer, self._point.state)
             for layer, name in enumerate(self._body.layer_names)
         }
+        contact = self._path.contact
+        return (
+            layers
+            if contact is None
+            else layers | {"contact": contact.at(self._point.state).energy}
+        )
 
     def measures(self) -> Measures:
         """Return the measures of the shape."""
@@ -153,7 +168,13 @@ class SolidEquilibrium:
         departure = self._point.departure
         if departure is not None:
             departure = replace(departure, equilibrium=None)
-        return MilestoneDetails(self.vertices, departure)
+        return MilestoneDetails(self.vertices, departure, self._touching())
+
+    def _touching(self) -> Touching | None:
+        contact = self._path.contact
+        if contact is None:
+            return None
+        return measure_touching(contact.skin, contact.barrier, contact.at(self._point.state))
 
     def layer_states(self) -> list[LayerState]:
         """Return the deformation of each layer, the same on every rank."""
@@ -203,6 +224,7 @@ class SolidPath:
         self.body = make_solid(specimen, mesh, settings, comm)
         self.loads = LoadSchedule(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
         self.mesh, self.comm = mesh, comm
+        self.contact = make_contact(self.body)
         self._shapes, self._start = shapes, start
         self._loaded = 0.0
         self._nodes = choose_held_nodes(mesh.points, specimen.gravity, mesh.centroid)
@@ -216,7 +238,8 @@ class SolidPath:
     def _make_newton(self) -> Newton:
         solid, settings = self.body.solid, self.body.settings
         points = held_points(self._nodes, solid.mesh.volume)
-        return Newton(
+        make = Newton if self.contact is None else partial(TouchingNewton, contact=self.contact)
+        return make(
             solid,
             [*solid.absent_pressures(), *solid.held_points(points)],
             iteration_limit=settings.iteration_limit,
@@ -296,11 +319,12 @@ class SolidPath:
     @property
     def versions(self) -> dict[str, str]:
         """Versions of what computes."""
+        of_contact = {} if self.contact is None else {CONTACT_PACKAGE: version(CONTACT_PACKAGE)}
         return {
             "dolfinx": dolfinx.__version__,
             "basix": basix.__version__,
             "petsc": ".".join(str(part) for part in PETSc.Sys.getVersion()),
-        }
+        } | of_contact
 
     def approach(self, target: Milestone) -> Iterator[SolidEquilibrium]:
         """Go to a milestone; see `bilayer.solvers.contract.Path`."""
@@ -374,4 +398,10 @@ class SolidPath:
         )
         efforts = [None if tried is None else tried.effort for tried in milestones]
         departures = [None if found is None else found.departure for found in details]
-        return volume.merge(effort_dataset(efforts, count)).merge(branch_dataset(departures, count))
+        whole = volume.merge(effort_dataset(efforts, count)).merge(
+            branch_dataset(departures, count)
+        )
+        if self.contact is None:
+            return whole
+        touching = [None if found is None else found.touching for found in details]
+        return whole.merge(contact_dataset(touching, len(self.mesh.triangles), count))

@@ -72,6 +72,12 @@ class Layout:
         """Return the Euclidean norm over all ranks."""
         return self.dot(one, one) ** 0.5
 
+    def times(self, matrix: PETSc.Mat, change: Array) -> Array:
+        """Return the product of a matrix with an array."""
+        with self.vectors(change, None) as (factor, product):
+            matrix.mult(factor, product)
+            return self.read(product)
+
 
 def create_tangent_matrix(coupling: fem.Form, held: Sequence[fem.DirichletBC]) -> PETSc.Mat:
     """Return a matrix, without values, for tangents; the caller destroys it.
@@ -125,9 +131,7 @@ class AssembledMatrix:
 
     def times(self, change: Array) -> Array:
         """Return its product with an array."""
-        with self._layout.vectors(change, None) as (factor, product):
-            self.petsc.mult(factor, product)
-            return self._layout.read(product)
+        return self._layout.times(self.petsc, change)
 
     def close(self) -> None:
         """Free the matrix."""

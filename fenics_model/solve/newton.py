@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
+from typing import Protocol
 
 import numpy as np
 from dolfinx import fem
@@ -38,7 +39,7 @@ DEFAULT_OPTIONS = {
     "mat_mumps_icntl_14": "50",  # percent of extra workspace for delayed pivots
 }
 
-_INSIDE_OUT = "an element was turned inside out"
+INSIDE_OUT = "an element was turned inside out"
 
 Array = NDArray[np.float64]
 
@@ -103,6 +104,24 @@ class Viscosity:
         return self._layout.norm(force), self._layout.dot(force, state - self._origin)
 
 
+class AddedForce(Protocol):
+    """What acts on the solid beside its own stresses and loads."""
+
+    def force(self, state: State) -> Array:
+        """Return what it adds to the residual, N, on the dofs that this rank owns."""
+
+    def stiffness(self, state: State, held: NDArray[np.int32]) -> PETSc.Mat | None:
+        """Return what it adds to the tangent, N/m, a matrix that the caller destroys; None: zero.
+
+        Parameters
+        ----------
+        state : State
+            Where.
+        held : array of int
+            Dofs of this rank whose rows and columns are left out.
+        """
+
+
 class Newton:
     """Finds states of a solid whose residual vanishes, some dofs held.
 
@@ -152,6 +171,8 @@ class Newton:
         self._rule = CorrectionRule() if rule is None else rule
         self._tell = tell
         self._viscosity: Viscosity | None = None
+        self._added: AddedForce | None = None
+        self._summed: PETSc.Mat | None = None
         self._handed_out: Factors | None = None
         self.stopwatch = Stopwatch() if stopwatch is None else stopwatch
         self._options = UserOptions(options, DEFAULT_OPTIONS, PREFIX)
@@ -173,6 +194,7 @@ class Newton:
     def close(self) -> None:
         """Free what PETSc holds."""
         self._take_factors_back()
+        self._keep_sum(None)
         self._resources.close()
 
     def __enter__(self) -> "Newton":
@@ -234,7 +256,7 @@ class Newton:
         mixing = AndersonMixing(self.layout.dot, rule.history)
         progress = Progress(rule, here.norm, tolerance)
         if not math.isfinite(here.norm):
-            reason = _INSIDE_OUT
+            reason = INSIDE_OUT
         while here.norm > tolerance and not reason:
             if factors is None or progress.is_slow:
                 if iterations == limit:
@@ -253,7 +275,7 @@ class Newton:
             step = mixing.step(here.state, factors.solve(here.residual))
             there = here.moved(step, rule.halvings)
             if there is None:
-                reason = _INSIDE_OUT
+                reason = INSIDE_OUT
                 break
             length, here = self.layout.norm(there.state - here.state), there
             progress.note(here.norm)
@@ -285,12 +307,19 @@ class Newton:
     def _factorise(self, state: State) -> Factors:
         check_time(bool(self.layout.comm.allreduce(time_is_up(), op=MPI.LOR)))
         self._take_factors_back()
+        self._go_to(state)
+        self._assemble_tangent(self._matrix)
+        return self._factorise_with(self._added, state)
+
+    def _factorise_with(self, added: AddedForce | None, state: State) -> Factors:
+        """Factorise the tangent that was assembled last, with that of a force at a state."""
+        self._take_factors_back()
         factors = self._ksp.getPC()
         if factors.getFailedReason():
             factors.reset()  # PETSc would return the failure from then on
-        self._go_to(state)
-        self._assemble_tangent(self._matrix)
-        self._ksp.setOperators(self._matrix)
+        matrix = self._matrix_with(added, state)
+        self.stopwatch.count_factorisation()
+        self._ksp.setOperators(matrix)
         failure = ""
         with self._options.apply():
             try:
@@ -298,8 +327,26 @@ class Newton:
             except PETSc.Error as error:
                 failure = why_petsc_failed(error)
                 factors.reset()
-        self._handed_out = Factors(self._ksp, self._matrix, self.layout, failure)
+        self._handed_out = Factors(self._ksp, matrix, self.layout, failure)
         return self._handed_out
+
+    def _matrix_with(self, added: AddedForce | None, state: State) -> PETSc.Mat:
+        """Return the tangent with that of a force, which may couple any dofs of the surface."""
+        part = None if added is None else added.stiffness(state, self.held_dofs)
+        if part is None:
+            return self._matrix
+        whole = self._matrix.copy()
+        whole.axpy(1.0, part, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        part.destroy()
+        whole.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._keep_sum(whole)
+        return whole
+
+    def _keep_sum(self, whole: PETSc.Mat | None) -> None:
+        """Keep a matrix for as long as the solver has it, in the place of the last one."""
+        before, self._summed = self._summed, whole
+        if before is not None:
+            before.destroy()
 
     def _take_factors_back(self) -> None:
         if self._handed_out is not None:
@@ -316,7 +363,16 @@ class Newton:
         """Return the residual of a state, that of held dofs left out."""
         self._go_to(state)
         self._assemble_residual(self._r)
+        if self._added is not None:
+            here = State(self.solid.unknown.x.array)
+            self._r.array[:] += self._free_part(self._added.force(here))[: self.layout.owned]
         return self.layout.read(self._r)
+
+    def _free_part(self, force: Array) -> Array:
+        """Return a force without that on held dofs."""
+        free = np.array(force)
+        free[self.held_dofs] = 0.0
+        return free
 
     def slowed_residual(self, state: State) -> Array:
         """Return the residual with the viscous force, if there is one at the moment."""
@@ -340,6 +396,22 @@ class Newton:
         mass = AssembledMatrix(self.solid.mass(), self.held, self.layout)
         self._resources.callback(mass.close)
         return mass
+
+    @contextmanager
+    def _with_force(self, added: AddedForce | None) -> Iterator[None]:
+        """Solve with another force beside the solid's own meanwhile, or with none."""
+        before, self._added = self._added, added
+        try:
+            yield
+        finally:
+            self._added = before
+
+    def set_out_from(self, state: State) -> None:
+        """Take note of where the body is; how it came there matters if it may touch itself."""
+
+    def touches(self, state: State) -> bool:
+        """Whether the body presses on itself, or on anything, in a state."""
+        return False
 
     @contextmanager
     def slow_down(self, k: float, origin: State) -> Iterator[Viscosity]:
@@ -374,7 +446,6 @@ class Newton:
         with self.stopwatch.time_assembly():
             fem_petsc.assemble_matrix(matrix, self.solid.tangent.form, self.held)
             matrix.assemble()
-        self.stopwatch.count_factorisation()
         if self._viscosity is not None:
             part = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
             matrix.axpy(self._viscosity.k, self._viscosity.mass.petsc, part)
