@@ -189,14 +189,14 @@ class BranchSearch:
         """
         modes = self._count_modes(factors)
         mode = self._find_most_unstable(factors, modes)
-        branches = [BranchEquilibrium(DEPARTED, self._solid.potential_energy(state), modes)]
+        branches = [BranchEquilibrium(DEPARTED, self._newton.potential_energy(state), modes)]
         found, effort = [], Effort()
         for name, sign in MODE_SIDES.items():
             descent = self._descend(state, mode, sign, tolerance, reference)
             effort += descent.effort
             branch = BranchEquilibrium(name, np.nan, -1)
             if descent.outcome is not None:
-                energy = self._solid.potential_energy(descent.outcome.state)
+                energy = self._newton.potential_energy(descent.outcome.state)
                 branch = BranchEquilibrium(name, energy, descent.unstable_modes)
                 found.append(_Candidate(branch, descent.outcome))
             branches.append(branch)

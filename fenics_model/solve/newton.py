@@ -305,7 +305,6 @@ class Newton:
             return self._factorise(state)
 
     def _factorise(self, state: State) -> Factors:
-        check_time(bool(self.layout.comm.allreduce(time_is_up(), op=MPI.LOR)))
         self._take_factors_back()
         self._go_to(state)
         self._assemble_tangent(self._matrix)
@@ -313,6 +312,7 @@ class Newton:
 
     def _factorise_with(self, added: AddedForce | None, state: State) -> Factors:
         """Factorise the tangent that was assembled last, with that of a force at a state."""
+        check_time(bool(self.layout.comm.allreduce(time_is_up(), op=MPI.LOR)))
         self._take_factors_back()
         factors = self._ksp.getPC()
         if factors.getFailedReason():

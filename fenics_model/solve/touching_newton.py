@@ -32,6 +32,7 @@ from fenics_model.contact.barrier_force import (
 from fenics_model.contact.surface_contact import SurfaceContact
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
+from fenics_model.solve.corrections import CorrectionRule
 from fenics_model.solve.factors import Factors
 from fenics_model.solve.layout import Layout
 from fenics_model.solve.newton import INSIDE_OUT, Newton, NewtonOutcome
@@ -148,20 +149,49 @@ class TouchingNewton(Newton):
         factors: Factors | None = None,
         *,
         iteration_limit: int | None = None,
+        rule: CorrectionRule | None = None,
     ) -> NewtonOutcome:
-        """See `Newton`. The body sets out from the last solution, or from where it was told."""
+        """See `Newton`. The body sets out from the last solution, or from where it was told.
+
+        With no new tangent allowed it sets out from the guess, and stops short of what its skin
+        would pass through.
+        """
+        if iteration_limit == 0:
+            return self._stop_short(guess, super().solve(
+                guess, tolerance, factors, iteration_limit=0, rule=rule
+            ))  # fmt: skip
         springs, accepted = None, tolerance
         if self.touches(self._here):
             springs, factors = LinearisedBarrierForce(self._contact, self._here), None
             pressing = self.layout.norm(springs.force(self._here))
             accepted = max(tolerance, self._limits.rough * pressing)
         with self._with_force(springs):
-            found = super().solve(guess, accepted, factors, iteration_limit=iteration_limit)
+            found = super().solve(
+                guess, accepted, factors, iteration_limit=iteration_limit, rule=rule
+            )
         if found.converged and not (springs is None and self._is_clear_to(found.state)):
             found = self._solve_apart(found, tolerance)
         if found.converged:
             self._here = found.state
         return found
+
+    def potential_energy(self, state: State) -> float:
+        """See `Newton`; with the barrier's."""
+        return super().potential_energy(state) + self._contact.at(state).energy
+
+    def _stop_short(self, start: State, found: NewtonOutcome) -> NewtonOutcome:
+        """Return the outcome, or its last state that can be come to on a straight way."""
+        free = self._contact.free_share(start, found.state)
+        if free == 1.0:
+            return found
+        state = start + self._limits.free_share * free * (found.state - start)
+        return replace(
+            found,
+            state=state,
+            converged=False,
+            residual=self._norm_at(state),
+            reason="the skin would pass through itself",
+        )
 
     def _is_clear_to(self, state: State) -> bool:
         """Whether a solution without contact is one with it, and can be come to."""
