@@ -167,7 +167,17 @@ def _coordinates(specimen: Specimen) -> dict[str, Any]:
         ),
         **load_coordinates(specimen),
         "xyz": ("xyz", ["x", "y", "z"]),
+        **_times(specimen),
     }
+
+
+def _times(specimen: Specimen) -> dict[str, Any]:
+    """Return the time of each milestone, if the specimen has milestones of time."""
+    if specimen.schedule is None:
+        return {}
+    text = "time after the release"
+    times = np.array(specimen.schedule.milestones)
+    return {"time": ("prestretch", times, {"units": "s", "long_name": text})}
 
 
 def _planar_variables(specimen: Specimen, mesh: PlanarMesh) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from bilayer.specimen.materials import Law, law_from_table, law_keys, law_to_tab
 from bilayer.specimen.outline import OUTLINES, Disc, Outline
 from bilayer.specimen.pattern import PATTERNS, Pattern
 from bilayer.specimen.relaxation import PronySeries
+from bilayer.specimen.schedule import Schedule
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.tables import (
     COMMON,
@@ -33,6 +34,7 @@ LONG_TABLES = {
     "layers": (),
     "patterns": (),
     "materials": (),
+    "time": ("milestones", "hold", "steps_per_decade"),
 }
 """The tables of this form; those without keys hold tables of their own."""
 RELAXATION = "relaxation"
@@ -62,7 +64,8 @@ def sheet_from_tables(data: Tables) -> Specimen:
         raise InputError(f"layers = {given!r}: expected tables [[layers]], from the bottom up")
     _check_names(given)
     layers = tuple(_layer(content, data) for content in given)
-    return Specimen(outline=outline, layers=layers, **common_fields(data))
+    schedule = _schedule(data["time"]) if "time" in data else None
+    return Specimen(outline=outline, layers=layers, schedule=schedule, **common_fields(data))
 
 
 def sheet_to_tables(specimen: Specimen) -> dict[str, Any]:
@@ -96,9 +99,20 @@ def sheet_to_tables(specimen: Specimen) -> dict[str, Any]:
             "milestones": milestones_in_file(specimen),
             "thickness": specimen.prestretch.thickness,
         },
+        "time": {} if specimen.schedule is None else _time_table(specimen.schedule),
         **last_tables(specimen),
     }
     return {name: content for name, content in tables.items() if content}
+
+
+def _schedule(content: Any) -> Schedule:
+    quantities = in_si("time", as_table("time", content), {"milestones": "s", "hold": "s"})
+    required("time", quantities, "milestones")
+    return Schedule(**quantities)
+
+
+def _time_table(schedule: Schedule) -> dict[str, Any]:
+    return {field.name: _plain(getattr(schedule, field.name)) for field in fields(schedule)}
 
 
 def _outline(sheet: Mapping[str, Any]) -> Outline:

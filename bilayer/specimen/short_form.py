@@ -87,6 +87,7 @@ def bilayer_of(specimen: Specimen) -> TwoLayers | None:
         and bilayer.follow_the_path
         and len(bilayer.stretched) > 0
         and not any(layer.relaxation.terms for layer in specimen.layers)
+        and specimen.schedule is None
     )
     return bilayer if expressible else None
 

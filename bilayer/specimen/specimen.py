@@ -21,6 +21,7 @@ from bilayer.specimen.outline import Disc, Outline
 from bilayer.specimen.pattern import kept_share
 from bilayer.specimen.prestretch import Prestretch, StretchPair
 from bilayer.specimen.reference_surface import ReferenceSurface
+from bilayer.specimen.schedule import Schedule
 from bilayer.specimen.supported import Support
 from bilayer.validation import keep, listed, nearest, not_negative, positive, text
 
@@ -87,6 +88,8 @@ class Specimen:
     loads : sequence of Load
         With a value at each milestone. If they have more values than there are prestretches, the
         single prestretch holds at all of them.
+    schedule : Schedule or None
+        Milestones of time at the single prestretch; None: each layer answers at once.
 
     Examples
     --------
@@ -112,8 +115,10 @@ class Specimen:
     name: str = "specimen"
     supports: tuple[Support, ...] = ()
     loads: tuple[Load, ...] = ()
+    schedule: Schedule | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "prestretch", _at_every_time(self.prestretch, self.schedule))
         object.__setattr__(self, "layers", _checked_layers(self.layers))
         object.__setattr__(self, "supports", tuple(self.supports))
         object.__setattr__(self, "loads", _checked_loads(self.loads))
@@ -289,7 +294,9 @@ class Specimen:
 
     def with_milestones(self, milestones: Sequence[float | StretchPair]) -> "Specimen":
         """Return the same specimen with other prestretches; loads keep their values."""
-        return replace(self, prestretch=replace(self.prestretch, milestones=milestones))  # type: ignore[arg-type]
+        schedule = self.schedule if self.schedule is None else self.schedule.first(len(milestones))
+        prestretch = replace(self.prestretch, milestones=milestones)  # type: ignore[arg-type]
+        return replace(self, prestretch=prestretch, schedule=schedule)
 
     def at_milestone(self, milestone: Milestone) -> "Specimen":
         """Return the same specimen with a single milestone, loads included."""
@@ -352,6 +359,25 @@ def _at_every_load(prestretch: Prestretch, loads: Sequence[Load]) -> Prestretch:
             "expected as many, or a single one"
         )
     return replace(prestretch, milestones=prestretch.milestones * count)
+
+
+def refuse_time(specimen: Specimen, whom: str) -> None:
+    """Raise InputError if a specimen has milestones of time, which somebody does not know."""
+    if specimen.schedule is not None:
+        raise InputError(f"[time]: {whom} takes no steps of time, expected none")
+
+
+def _at_every_time(prestretch: Prestretch, schedule: Schedule | None) -> Prestretch:
+    """Return a prestretch with a milestone for each time."""
+    if schedule is None:
+        return prestretch
+    given, count = prestretch.milestones, len(schedule.milestones)
+    if len(set(given)) > 1 or len(given) not in (1, count):
+        raise InputError(
+            f"prestretch.milestones: has {len(given)} values, expected a single one, which holds "
+            "at all milestones of [time]"
+        )
+    return replace(prestretch, milestones=given[:1] * count)
 
 
 def _checked_layers(layers: Any) -> tuple[Layer, ...]:

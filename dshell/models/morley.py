@@ -103,6 +103,7 @@ def specimen_layers(
             part.top - surface,
             np.array(part.stretch),
             None if len(faces) == len(mesh.triangles) else faces,
+            part.layer.relaxation,
         )
         for part, faces in parts
         if len(faces)

@@ -23,7 +23,7 @@ from bilayer.solvers.recording import leave_unmeasured
 from bilayer.solvers.run import solve_with
 from bilayer.specimen.load import Milestone
 from bilayer.specimen.prestretch import UNSTRETCHED, stretch_of
-from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.specimen import Specimen, refuse_time
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
 from dshell.release.branches import BRANCH_RULES
@@ -115,6 +115,8 @@ def open_shell_path(
                 "start = a result: the paper's model runs each milestone from flat, expected none"
             )
         return PaperPath(specimen, mesh, settings)
+    if not isinstance(settings, MorleySettings) or settings.method != "static":
+        refuse_time(specimen, "any but the static path of the model 'morley'")
     if isinstance(start, Neighbour):
         return _shell_path(specimen, mesh, settings, _led_all_the_way(start.result, mesh))
     made = start(mesh) if callable(start) else start

@@ -5,9 +5,10 @@ See `bilayer.solvers.contract` for the contract, `dshell.release.static` and
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import scipy
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from bilayer.contact.package import PACKAGE as CONTACT_PACKAGE
 from bilayer.contact.touching import Touching, measure_touching
-from bilayer.errors import InputError
+from bilayer.errors import ComputationError, InputError
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mechanics.layer_state import LayerState
 from bilayer.results.contact_variables import contact_dataset
@@ -160,10 +161,13 @@ class ShellEquilibrium:
             "residual": np.array(self.residual),
             "unstable_modes": np.array(NOT_COUNTED if modes is None else modes),
             "start": np.array(self._start),
+            **({} if self._shell.memory is None else self._shell.memory.save()),
         }
 
     def linearised(self) -> LinearisedShell:
         """Return the equations linearised here, the stiffness factorised."""
+        if self._shell.memory is not None:
+            raise ComputationError("linearised: not of layers that relax, expected no [time]")
         return LinearisedShell(self._shell, self._solver.assembly, self.milestone, self.state)
 
 
@@ -197,6 +201,7 @@ class ShellPath:
         self._shell, self._solver, self._path = shell, solver, path
         self._begins = list(begins)
         self._is_begun = False
+        self._visited = 0
         self.start = FLAT_START
         self.versions = VERSIONS
         if shell.contact(UNSTRETCHED) is not None:
@@ -206,8 +211,36 @@ class ShellPath:
         """Go to a milestone; see `Path`."""
         if self._begins:
             self._begin_with(self._begins.pop(0)(target), target)
+        steps = self._times_to_go()
+        for number, time in enumerate(steps):
+            for found in self._in_time(target, time):
+                share = (number + found.share) / len(steps) if len(steps) > 1 else found.share
+                yield self._equilibrium(replace(found, share=share))
+
+    def _times_to_go(self) -> list[float]:
+        """Return the ends of the steps of time to the next target, s; that of the release first."""
+        memory, schedule = self._shell.memory, self._shell.specimen.schedule
+        if memory is None or schedule is None:
+            return [0.0]
+        end = schedule.milestones[self._visited]
+        self._visited += 1
+        series = [layer.relaxation for layer in self._shell.specimen.layers]
+        before = [] if self._visited > 1 else [0.0]
+        return [*before, *([] if before and end == 0 else schedule.steps(memory.time, end, series))]
+
+    def _in_time(self, target: Milestone, time: float) -> Iterator[ShellState[Milestone]]:
+        """Go to a target at the end of a step of time, which is remembered."""
+        memory = self._shell.memory
+        if memory is None:
+            yield from self._path.approach(target)
+            return
+        memory.aim_at(time)
+        here = self._path.stopped()
+        self._path.move_to(replace(here, unstable_modes=None), here.effort)  # it is none any more
         for found in self._path.approach(target):
-            yield self._equilibrium(found)
+            if found.share == 1:
+                self._shell.arrive(target, found.state)
+            yield found
 
     def _begin_with(self, beginning: Beginning, target: Milestone) -> None:
         """Go to the equilibrium near a shape, or stay where the path is: flat, at first."""
@@ -250,6 +283,11 @@ class ShellPath:
             )
         )
         self._begins, self._is_begun, self.start = [], True, str(saved["start"])
+        memory, schedule = self._shell.memory, self._shell.specimen.schedule
+        if memory is not None and schedule is not None:
+            blocks: Any = self._shell.model.energies(stretch_of(milestone))
+            memory.restore(saved, blocks)
+            self._visited = 1 + int(np.searchsorted(schedule.milestones, memory.time))
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the contact by milestone; an empty dataset if contact is not modelled."""

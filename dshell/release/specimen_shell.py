@@ -6,7 +6,7 @@ The load is a milestone: the prestretch (lambda_x, lambda_y), then the value of 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from dshell.models.masses import lumped_masses
 from dshell.models.reference_surface import reference_surface_over
 from dshell.release.loading import ShellLoading, unloaded
 from dshell.release.rigid_motion import choose_held_nodes
+from dshell.release.shell_memory import ShellMemory
 from dshell.solve.newton import Body
 
 Array = NDArray[np.float64]
@@ -106,6 +107,7 @@ class SpecimenShell:
         self.specimen, self.mesh = specimen, mesh
         self._make_model, self._tolerance = make_model, tolerance
         self._contact_limits = contact
+        self.memory = None if specimen.schedule is None else ShellMemory(specimen.schedule.hold)
         self._contact_at: tuple[StretchPair, SkinContact] | None = None
         self._held_nodes = choose_held_nodes(specimen, mesh)
         self.unloaded = unloaded(specimen)
@@ -175,10 +177,23 @@ class SpecimenShell:
         masses = lumped_masses(self.specimen, self.mesh, stretch)
         load = self.loading.forces(milestone)
         load[:, 2] -= self.specimen.gravity * masses
-        energies = [*self.model.energies(stretch), *self.loading.energies(milestone)]
+        energies = [*self._elastic(milestone), *self.loading.energies(milestone)]
         rest = np.zeros(self.model.extra_dofs + self.model.fold_count)
         dead = np.concatenate([load.reshape(-1), rest])
         return Body(energies, dead, self.contact(stretch))
+
+    def _elastic(self, milestone: Milestone) -> Sequence[Energy]:
+        """Return the model's energies at a milestone, with what the layers remember."""
+        plain: Any = self.model.energies(stretch_of(milestone))
+        if self.memory is None:
+            return plain  # type: ignore[no-any-return]
+        return self.memory.remembering(plain, self.flat(milestone))
+
+    def arrive(self, milestone: Milestone, state: Array) -> None:
+        """Keep what the layers remember in an equilibrium at the end of a step of time."""
+        if self.memory is not None:
+            blocks: Any = self.model.energies(stretch_of(milestone))
+            self.memory.arrive(blocks, self.flat(milestone), state)
 
     def contact(self, stretch: StretchPair) -> SkinContact | None:
         """Return the contact of the sheet with itself at a prestretch, None if it has none."""

@@ -140,9 +140,11 @@ class StaticPath(Generic[Load]):
         """Return the last state, with the work done in vain since."""
         return replace(self._here, effort=self._spent())
 
-    def move_to(self, state: ShellState[Load]) -> None:
-        """Go on from a state that is known."""
+    def move_to(self, state: ShellState[Load], effort: ShellEffort | None = None) -> None:
+        """Go on from a state that is known, having done some work already."""
         self._here = state
+        if effort is not None:
+            self._effort += effort
 
     def begin_near(self, guess: Array, load: Load, iterations: int) -> bool:
         """Go to the equilibrium near a guess; return whether it is soon found.
