@@ -432,7 +432,23 @@ function build() {
   window.addEventListener("resize", redraw);
 }
 
+function time(frames) { // for scripts/check_viewer: #frames=20 turns the shape that often
+  const pixel = new Uint8Array(4), times = [];
+  for (let k = 0; k < frames; k += 1) {
+    const begin = performance.now();
+    turn(0.1, 0);
+    draw();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits for the picture
+    times.push(performance.now() - begin);
+  }
+  times.sort((a, b) => a - b);
+  const [least, median] = [times[0], times[Math.floor(frames / 2)]].map((t) => t.toFixed(1));
+  console.log(`frame: ${least} ms at least, ${median} ms in the middle`);
+}
+
 build();
 if (gl) prepare();
 drawFlat();
-show(Number(new URLSearchParams(location.hash.slice(1)).get("milestone") ?? count - 1));
+const asked_for = new URLSearchParams(location.hash.slice(1));
+show(Number(asked_for.get("milestone") ?? count - 1));
+if (gl && asked_for.has("frames")) time(Number(asked_for.get("frames")));
