@@ -27,6 +27,11 @@ def add(verbs: Any) -> None:
         help="quantity on the vertical axis (default: quality)",
     )  # fmt: skip
     verb.add_argument("--hue", metavar="FIELD", help="draw a line for each value of this field")
+    verb.add_argument(
+        "--as", dest="kind", choices=["lines", "panels", "map"], default="lines",
+        help="lines in one panel (the default), a panel for each value of --hue, or a coloured "
+        "cell for each pair of values",
+    )  # fmt: skip
     verb.add_argument("--prestretch", metavar="L", help="draw this prestretch only")
     verb.add_argument(
         "--select", action="append", default=[], metavar="FIELD=VALUE",
@@ -48,7 +53,8 @@ def run(options: argparse.Namespace) -> int:
     if options.prestretch is not None:
         chosen["prestretch"] = toml_value("--prestretch", options.prestretch)
     study = open_study(options.study)
-    save_figure(draw_study(study, options.x, options.y, options.hue, chosen), options.output)
+    figure = draw_study(study, options.x, options.y, options.hue, chosen, kind=options.kind)
+    save_figure(figure, options.output)
     return 0
 
 

@@ -5,6 +5,7 @@ milestones that were not reached.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -25,10 +26,11 @@ from bilayer.figures.style import (
     axes_for,
     label_text,
     legend_for,
+    new_figure,
     print_style,
 )
 from bilayer.results.caveats import is_unstable, touches_itself
-from bilayer.validation import finite, nearest
+from bilayer.validation import finite, nearest, one_of
 
 LABELS = {"quality": QUALITY_LABEL, "prestretch": PRESTRETCH_LABEL}
 FIELD_UNITS = {
@@ -51,6 +53,7 @@ def draw_study(
     hue: str | None = None,
     chosen: Mapping[str, Any] | None = None,
     ax: Axes | None = None,
+    kind: str = "lines",
 ) -> Figure:
     """Draw a scalar of a study over one of its fields.
 
@@ -70,6 +73,9 @@ def draw_study(
         Values of other fields, those that are drawn.
     ax : Axes, optional
         Where to draw; a new figure if left out.
+    kind : {"lines", "panels", "map"}
+        All lines in one panel, a panel for each value of `hue`, or a coloured cell for each pair of
+        values; the last two where lines of different branches cross.
 
     Raises
     ------
@@ -77,32 +83,138 @@ def draw_study(
         A name is unknown, or several cases fall on one point of a line: a field is to be chosen.
     """
     table = study_table(study, x, y, hue, chosen or {})
-    lines = [("", table)] if hue is None else list(table.groupby(hue, sort=True))
+    drawn = _Drawn(study, table, x, y, hue)
     with print_style():
-        figure, axes = axes_for(ax, 5.2, 4.0)
-        for k, (value, line) in enumerate(lines):
-            look = _line_style(k, len(lines))
-            label = label_text(y if hue is None else _value_text(hue, value))
-            if hue == "model":
-                known = result_looks([f"{line['solver'].iloc[0]} {value}"])[0]
-                look, label = known.style, known.name
-            axes.plot(*_with_gaps(line, x, y), label=label, clip_on=False, **look)
-        _mark(axes, table, x, y)
-        axes.set_xlabel(label_text(LABELS.get(x, _with_unit(x, _field_unit(x)))))
-        y_label = LABELS.get(y, _with_unit(y, study[y].attrs.get("units", "1")))
-        axes.set_ylabel(label_text(y_label))
-        if y == "quality":
-            axes.set_ylim(0, 1)
-        if pd.api.types.is_integer_dtype(table[x]):
-            axes.set_xticks(sorted(table[x].unique()))
-        axes.grid(True)
+        figure = DRAWINGS[one_of("--as", kind, DRAWINGS)](drawn, ax)
         fixed = {name: value for name, value in (chosen or {}).items() if name not in (x, hue)}
-        axes.set_title(
-            label_text(", ".join(_value_text(name, value) for name, value in fixed.items()))
-        )
-        axes.margins(x=0.05)
-        legend_for(figure, ax, axes, 3)
+        title = ", ".join(_value_text(name, value) for name, value in fixed.items())
+        if title and kind == PANELS:
+            figure.suptitle(label_text(title), fontsize=9)
+        elif title:
+            (ax or figure.axes[0]).set_title(label_text(title))
     return figure
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """What is drawn of a study: the rows of its table, and which columns."""
+
+    study: xr.Dataset
+    table: pd.DataFrame
+    x: str
+    y: str
+    hue: str | None
+
+    @property
+    def lines(self) -> list[tuple[Any, pd.DataFrame]]:
+        """The rows of each value of the hue; all of them without one."""
+        return [("", self.table)] if self.hue is None else list(self.table.groupby(self.hue))
+
+    @property
+    def x_label(self) -> str:
+        return label_text(LABELS.get(self.x, _with_unit(self.x, _field_unit(self.x))))
+
+    @property
+    def y_label(self) -> str:
+        unit = self.study[self.y].attrs.get("units", "1")
+        return label_text(LABELS.get(self.y, _with_unit(self.y, unit)))
+
+    def draw_line(self, axes: Axes, k: int) -> None:
+        """Draw the line of one value of the hue."""
+        value, line = self.lines[k]
+        look = _line_style(k, len(self.lines))
+        label = label_text(self.y if self.hue is None else _value_text(self.hue, value))
+        if self.hue == "model":
+            known = result_looks([f"{line['solver'].iloc[0]} {value}"])[0]
+            look, label = known.style, known.name
+        axes.plot(*_with_gaps(line, self.x, self.y), label=label, clip_on=False, **look)
+
+    def finish(self, axes: Axes) -> None:
+        """Set limits, ticks and grid."""
+        if self.y == "quality":
+            axes.set_ylim(0, 1)
+        if pd.api.types.is_integer_dtype(self.table[self.x]):
+            axes.set_xticks(sorted(self.table[self.x].unique()))
+        axes.grid(True)
+        axes.margins(x=0.05)
+
+
+def _draw_lines(drawn: _Drawn, ax: Axes | None) -> Figure:
+    """Draw all lines into one panel."""
+    figure, axes = axes_for(ax, 5.2, 4.0)
+    for k in range(len(drawn.lines)):
+        drawn.draw_line(axes, k)
+    _mark(axes, drawn.table, drawn.x, drawn.y)
+    axes.set_xlabel(drawn.x_label)
+    axes.set_ylabel(drawn.y_label)
+    drawn.finish(axes)
+    legend_for(figure, ax, axes, 3)
+    return figure
+
+
+def _draw_panels(drawn: _Drawn, ax: Axes | None) -> Figure:
+    """Draw a panel for each line, all with the same axes: small multiples."""
+    if drawn.hue is None or ax is not None:
+        raise InputError("--as panels: expected a --hue, and no axes: it draws several")
+    columns = min(len(drawn.lines), PANELS_IN_A_ROW)
+    rows = -(-len(drawn.lines) // columns)
+    figure = new_figure(1.9 * columns + 0.6, 1.7 * rows + 0.6)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for k, (value, line) in enumerate(drawn.lines):
+        axes = panels.flat[k]
+        drawn.draw_line(axes, k)
+        _mark(axes, line, drawn.x, drawn.y)
+        drawn.finish(axes)
+        axes.set_title(label_text(_value_text(drawn.hue, value)))
+    for axes in panels.flat[len(drawn.lines) :]:
+        axes.set_visible(False)
+    named = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels.flat]
+    marks = {name: handle for pairs in named for handle, name in pairs if name in MARKS}
+    if marks:
+        figure.legend(marks.values(), marks.keys(), loc="outside upper right", ncols=3)
+    figure.supxlabel(drawn.x_label, fontsize=9)
+    figure.supylabel(drawn.y_label, fontsize=9)
+    return figure
+
+
+def _draw_map(drawn: _Drawn, ax: Axes | None) -> Figure:
+    """Draw a coloured cell for each pair of values."""
+    if drawn.hue is None:
+        raise InputError("--as map: expected a --hue, the field of the vertical axis")
+    cells = drawn.table.pivot(index=drawn.hue, columns=drawn.x, values=drawn.y)
+    width, height = (0.62 * count + 2.0 for count in cells.shape[::-1])
+    figure, axes = axes_for(ax, width, height)
+    image = axes.imshow(cells.to_numpy(dtype=float), cmap="viridis", origin="lower", aspect="auto")
+    figure.colorbar(image, ax=axes, label=drawn.y_label)
+    along = {value: place for place, value in enumerate(cells.columns)}
+    up = {value: place for place, value in enumerate(cells.index)}
+    placed = drawn.table.assign(
+        **{drawn.x: drawn.table[drawn.x].map(along), drawn.y: drawn.table[drawn.hue].map(up)}
+    )
+    axes.set_xticks(list(along.values()), [_tick(value) for value in along])
+    axes.set_yticks(list(up.values()), [_value_text(drawn.hue, value) for value in up])
+    axes.set_xlabel(drawn.x_label)
+    mark_caveats(
+        axes, placed[drawn.x], placed[drawn.y], placed["unstable"], placed["touches_itself"]
+    )
+    missing = placed[placed["converged"] != 1]
+    if len(missing):
+        axes.plot(missing[drawn.x], missing[drawn.y], "x", color="0.3", label="not reached")
+    if axes.get_lines() and ax is None:
+        figure.legend(loc="outside upper center", ncols=3)
+    return figure
+
+
+def _tick(value: Any) -> str:
+    return label_text(f"{value:g}" if isinstance(value, (int, float)) else value)
+
+
+PANELS = "panels"
+DRAWINGS = {"lines": _draw_lines, PANELS: _draw_panels, "map": _draw_map}
+"""By the option `--as`."""
+PANELS_IN_A_ROW = 4
+MARKS = ("unstable", "touches itself", "not reached")
+"""What is against a point, as legends have it."""
 
 
 def study_table(

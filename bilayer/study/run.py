@@ -251,6 +251,6 @@ def _progress_reporter(cases: Sequence[Case], progress: Progress | None) -> Call
         ended.append(case)
         if progress is not None:
             fraction = sum(case.cost for case in ended) / whole
-            progress(fraction, f"{len(ended)} of {len(cases)} cases, % of the work")
+            progress(fraction, f"{len(ended)} of {len(cases)} cases (% of the work)")
 
     return report_end

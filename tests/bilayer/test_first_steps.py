@@ -45,6 +45,22 @@ def test_solve_needs_no_more_than_the_specimen(folder, capsys):
     assert open_result("dome.nc").attrs["model"] == "morley"
 
 
+def test_a_dome_in_one_command(folder, monkeypatch, capsys):
+    coarse = (
+        template().replace("size = 0.003", "size = 0.012").replace("1.15, 1.18, 1.21, 1.24", "1.15")
+    )
+    monkeypatch.setattr("bilayer.cli.demo.template", lambda: coarse)
+    assert main(["demo", "-o", "first"]) == 0
+    told = capsys.readouterr().out
+    files = {f"first.{ending}" for ending in ("toml", "nc", "png", "html")}
+    assert {path.name for path in folder.iterdir()} == files | {"dome.toml"}
+    assert all(name in told for name in files)
+    assert "bilayer solve first.toml --plot --overwrite" in told
+    assert open_result("first.nc")["converged"].all()
+    assert main(["demo", "-o", "first"]) == 2
+    assert "first.toml: is there already, expected --overwrite" in capsys.readouterr().err
+
+
 def test_a_result_that_nobody_named_is_not_replaced(folder, capsys):
     (folder / "dome.nc").write_text("of an hour")
     assert main(["solve", "dome.toml", *COARSE]) == 2

@@ -222,3 +222,40 @@ def test_the_command_draws_a_study(made_study, tmp_path, capsys):
         capsys.readouterr()
         assert main([*words, *more]) == 2
         assert re.search(message, capsys.readouterr().err)
+
+
+def unlike(case, result):
+    result["quality"][0] = 0.1 * case.specimen.layer("kirigami").pattern.strips
+    if case.specimen.layer("kirigami").pattern.strips == 6:
+        result["unstable_modes"][0] = 2
+    return result
+
+
+def test_a_study_as_a_map_has_a_cell_for_each_pair(made_study):
+    study = open_study(made_study(GRID, change=unlike))
+    figure = draw_study(
+        study, "cut.cutout_angle", "quality", "cut.strips", {"prestretch": 1.03}, kind="map"
+    )
+    axes, _ = figure.axes
+    assert axes.images[0].get_array().tolist() == [[0.5] * 3, pytest.approx([0.6] * 3)]
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["0.3", "0.4", "0.5"]
+    assert [tick.get_text() for tick in axes.get_yticklabels()] == ["strips 5", "strips 6"]
+    marks = next(line for line in axes.get_lines() if line.get_label() == "unstable")
+    assert marks.get_xydata().tolist() == [[0, 1], [1, 1], [2, 1]]
+    assert [text.get_text() for text in figure.legends[0].texts] == ["unstable"]
+
+
+def test_a_study_as_panels_has_one_for_each_line(made_study, tmp_path):
+    folder = made_study(GRID, change=unlike)
+    study = open_study(folder)
+    figure = draw_study(
+        study, "cut.cutout_angle", "quality", "cut.strips", {"prestretch": 1.03}, kind="panels"
+    )
+    five, six = figure.axes
+    assert [axes.get_title() for axes in (five, six)] == ["strips 5", "strips 6"]
+    assert six.get_lines()[0].get_ydata().tolist() == pytest.approx([0.6] * 3)
+    assert five.get_ylim() == six.get_ylim()
+    words = ["plot-study", str(folder), "--x", "cut.cutout_angle", "--prestretch", "1.03"]
+    picture = str(tmp_path / "p.png")
+    assert main([*words, "--hue", "cut.strips", "--as", "panels", "-o", picture]) == 0
+    assert main([*words, "--select", "cut.strips=5", "--as", "map", "-o", picture]) == 2
