@@ -8,7 +8,8 @@ from typing import Any
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.contract import Solver, SpecimenPath, Start
+from bilayer.solvers.contract import Solver, SpecimenPath, Start, StateFinder
+from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from dshell.settings import HingeSettings, MorleySettings, PaperSettings, ReleaseSettings
 
@@ -62,6 +63,43 @@ def open_path(
     return open_shell_path(specimen, settings, mesh, start, CoarseStart(SOLVER, progress))
 
 
+def open_finder(
+    specimen: Specimen,
+    settings: Any,
+    stretch: StretchPair,
+    *,
+    mesh: PlanarMesh | None = None,
+) -> StateFinder:
+    """Return a finder of stable shapes; see `bilayer.solvers.contract.OpenFinder`.
+
+    Parameters
+    ----------
+    specimen : Specimen
+        The specimen.
+    settings : MorleySettings or HingeSettings
+        Their type chooses the model.
+    stretch : (float, float)
+        The prestretch.
+    mesh : PlanarMesh, optional
+        The planar mesh; made from the specimen if left out.
+
+    Raises
+    ------
+    InputError
+        The settings are of another model, or the mesh would not fit into memory.
+    """
+    if not isinstance(settings, ReleaseSettings):
+        raise InputError(
+            f"model: {type(settings).__name__} has no search for stable shapes, expected the "
+            "settings of morley or hinge"
+        )
+    from bilayer.mesh.generation import mesh_within_memory
+    from dshell.release.opening import open_shell_finder
+
+    mesh = mesh_within_memory(specimen, mesh, BYTES_PER_TRIANGLE, "the discrete shell")
+    return open_shell_finder(specimen, settings, mesh, stretch)
+
+
 def _takes_neighbours(settings: Any) -> bool:
     """Whether a path goes downhill to stable states, which a shape nearby leads to as well."""
     is_static = isinstance(settings, ReleaseSettings) and settings.method == "static"
@@ -77,5 +115,6 @@ SOLVER = Solver(
     open_path=open_path,
     has_layers=lambda settings: isinstance(settings, MorleySettings),
     takes_neighbours=_takes_neighbours,
+    open_finder=open_finder,
 )
 """This package, as the registry finds it."""

@@ -29,6 +29,7 @@ FLOORS = {
         ["exports"],
         ["scan"],
         ["solvers"],
+        ["landscape"],
         ["calculix"],
         ["figures"],
         ["viewer"],

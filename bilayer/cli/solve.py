@@ -99,6 +99,10 @@ def add(verbs: Any) -> None:
         "from a coarse one, see solver.coarse_triangles); FILE.nc = shapes of another result on "
         "the same mesh",
     )  # fmt: skip
+    verb.add_argument(
+        "--start-state", type=int, metavar="K",
+        help="of --start FILE.nc, a file of `bilayer states`: its state K instead of the lowest",
+    )  # fmt: skip
     add_json_argument(verb)
     verb.epilog = (
         f"{verb.epilog}\n\n`bilayer settings` lists what --set solver.NAME=VALUE can change."
@@ -118,7 +122,7 @@ def run(options: argparse.Namespace) -> int:
     runs = _planned(options, solvers, values)
     specimen = read_specimen_argument(options, overrides)
     mesh = None if options.mesh is None else read_mesh_argument(options, specimen)
-    start = options.start if options.start in (None, *STARTS) else open_result(options.start)
+    start = _start_argument(options)
     results, status = [], 0
     for one in runs:
         if first or solver_named(one.solver).parallel:
@@ -205,6 +209,22 @@ def _draw(runs: Sequence[_Run], results: Sequence[xr.Dataset]) -> None:
 
     for one, result in zip(runs, results, strict=True):
         save_figure(draw_shapes(result), one.picture)
+
+
+def _start_argument(options: argparse.Namespace) -> Any:
+    """Return the start by its name, or the result, or one state of it."""
+    number = options.start_state
+    if options.start in (None, *STARTS):
+        if number is not None:
+            raise InputError(f"--start-state {number}: expected with --start FILE.nc alone")
+        return options.start
+    start = open_result(options.start)
+    if number is None:
+        return start
+    count = start.sizes["prestretch"]
+    if not 0 <= number < count:
+        raise InputError(f"--start-state {number}: expected a number from 0 to {count - 1}")
+    return start.isel(prestretch=[number])
 
 
 def _status_of(result: Any, settings: Any, told: bool) -> int:

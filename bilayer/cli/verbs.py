@@ -15,6 +15,7 @@ VERBS = {
     "cut": "write what has to be cut for each layer, 1:1 in mm, as DXF, SVG or PDF",
     "fit": "find the constants of a law from tests of a material",
     "solve": "compute the released shapes; write them as NetCDF",
+    "states": "find the stable shapes at one prestretch, and say how sure that is",
     "compare": "compare two results on the same planar mesh",
     "settings": "list the models of the solvers, or the settings of one",
     "plot": "draw isometric and bird's-eye views per prestretch",

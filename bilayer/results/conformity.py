@@ -25,6 +25,7 @@ from bilayer.results.schema import (
     REQUIRED,
     SAME_STRETCH,
     SCHEMA_VERSION,
+    TIMES_FOUND,
     result_mesh,
 )
 from bilayer.runtime.input_file import LARGEST_TEXT
@@ -60,12 +61,15 @@ def _layouts() -> dict[str, Layout]:
             "sphere_rmse", "hemisphere_distance", "height", "residual", "wall_time",
             "self_contact_gap", "last_prestretch", "assembly_time", "factorisation_time",
             "cpu_time", "dissipated_energy", "contact_gap", "contact_force", "contact_pairs",
-            CONTACT_CROSSES,
+            CONTACT_CROSSES, "least_stiffness", "next_stiffness",
         ),
         Layout(WHOLE, by_milestone): (
             "iterations", "load_steps", "unstable_modes", "converged", "factorisations",
-            "stabilised_steps", "escapes", "guided_steps", "branch_taken",
+            "stabilised_steps", "escapes", "guided_steps", "branch_taken", TIMES_FOUND,
+            "found_as", "symmetry_turns", "symmetry_mirrored", "turned_over",
         ),
+        Layout(TEXT, ("start",)): ("start_name",),
+        Layout(WHOLE, ("start",)): ("start_state",),
         Layout(NUMBER, ("prestretch", "xyz")): ("span",),
         Layout(NUMBER, ("prestretch", "node", "xyz")): ("position", "last_position"),
         Layout(NUMBER, ("prestretch", "volume_node", "xyz")): ("volume_position",),

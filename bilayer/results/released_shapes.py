@@ -11,6 +11,7 @@ from bilayer.measures.body_frame import upright_frame
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
+from bilayer.results.schema import TIMES_FOUND
 from bilayer.results.table import stretch_text, stretches
 
 MM_PER_M = 1e3
@@ -23,7 +24,7 @@ class Shape:
     Parameters
     ----------
     title : str
-        Its prestretch.
+        Its prestretch; of the states of a search their number and energy.
     note : str
         What to know of it, such as where the path stopped; "" for nothing.
     surface : Surface
@@ -36,6 +37,13 @@ class Shape:
     note: str
     surface: Surface
     milestone: int = 0
+
+
+def _state_title(number: int, milestone: xr.Dataset) -> str:
+    """Return the title of one of several states at one prestretch; an empty text for others."""
+    if TIMES_FOUND not in milestone:
+        return ""
+    return f"{number}: {1e3 * float(milestone['energy'].sum()):.4f} mJ"
 
 
 def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
@@ -65,7 +73,7 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"
         if np.isfinite(position).all():
             upright = MM_PER_M * upright_frame(mesh, position).coordinates(position)
-            title = f"λ = {stretch_text(pairs[k])}"
+            title = _state_title(k, milestone) or f"λ = {stretch_text(pairs[k])}"
             shapes.append(Shape(title, note, Surface(upright, mesh.triangles), k))
     if not shapes:
         raise InputError(f"the result of {result_label(result)} holds no shape to draw")

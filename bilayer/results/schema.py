@@ -38,6 +38,8 @@ NOT_MEASURED = "not_measured"
 """Attribute of a result of which a shape could not be measured: which, and why."""
 CONTACT_CROSSES = "contact_crosses"
 """Variable of a result whose contact was modelled: 1 if the skin crosses itself all the same."""
+TIMES_FOUND = "times_found"
+"""Variable of the states of a search (`bilayer.landscape`): how often each was found."""
 UNKNOWN_STABILITY = -1
 SAME_STRETCH = 1e-9
 """Milestones that differ by less are the same."""

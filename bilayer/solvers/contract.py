@@ -283,6 +283,66 @@ class OpenPath(Protocol):
         """
 
 
+class StateFinder(Protocol):
+    """A specimen at one prestretch, whose stable shapes are looked for.
+
+    A shape is the reference surface on the nodes of the planar mesh, (n, 3), m, in any position and
+    orientation. What is found stays good.
+    """
+
+    @property
+    def mesh(self) -> PlanarMesh:
+        """The planar mesh."""
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of the packages that compute."""
+
+    def settle(self, shape: Array) -> Sequence[Equilibrium]:
+        """Return the stable equilibria downhill of a shape, at best one.
+
+        There are several if the way down ends at an unstable equilibrium: those to both sides of
+        its unstable modes. There is none if the method does not converge.
+        """
+
+    def settle_elsewhere(self, shape: Array, known: Sequence[Array]) -> Sequence[Equilibrium]:
+        """Return stable equilibria beside one that is near a shape but is none of those known.
+
+        Parameters
+        ----------
+        shape : (n, 3) array of float
+            Where to begin.
+        known : sequence of (n, 3) array of float
+            The shapes that are avoided.
+        """
+
+    def stiffnesses(self, equilibrium: Any, count: int) -> Array:
+        """Return the least eigenvalues of the stiffness over the flat area, N/m3, ascending.
+
+        The pressure per displacement in the shape of each mode. Rigid motions are left out.
+        """
+
+
+class OpenFinder(Protocol):
+    """A function with which a solver makes a finder of stable shapes."""
+
+    def __call__(
+        self,
+        specimen: Specimen,
+        settings: Any,
+        stretch: StretchPair,
+        *,
+        mesh: PlanarMesh | None,
+    ) -> StateFinder:
+        """Return the finder of a specimen at a prestretch.
+
+        Raises
+        ------
+        InputError
+            The settings are of a model that has no search, or the mesh would not fit into memory.
+        """
+
+
 @dataclass(frozen=True)
 class Solver:
     """A solver, as its package offers it.
@@ -308,6 +368,8 @@ class Solver:
     takes_neighbours : callable
         Returns whether a run with some settings comes to the same states if a `Neighbour` starts
         it, with rare exceptions.
+    open_finder : OpenFinder or None
+        Makes a finder of stable shapes; None: the solver has no search of its own.
     """
 
     name: str
@@ -318,3 +380,4 @@ class Solver:
     open_path: OpenPath
     has_layers: Callable[[Any], bool] = lambda settings: True
     takes_neighbours: Callable[[Any], bool] = lambda settings: False
+    open_finder: OpenFinder | None = None

@@ -1,7 +1,7 @@
 """The opening of a shell's load path, flat or at a start, from a specimen and settings."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import xarray as xr
@@ -22,7 +22,7 @@ from bilayer.solvers.contract import Solver, SpecimenPath, Start
 from bilayer.solvers.recording import leave_unmeasured
 from bilayer.solvers.run import solve_with
 from bilayer.specimen.load import Milestone
-from bilayer.specimen.prestretch import UNSTRETCHED, stretch_of
+from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_of
 from bilayer.specimen.specimen import Specimen, refuse_time
 from dshell.models.hinge import HingeModel
 from dshell.models.morley import MorleyModel
@@ -32,9 +32,11 @@ from dshell.release.dynamic import DynamicPath, MotionLimits
 from dshell.release.paper import PaperPath
 from dshell.release.specimen_path import Begin, Beginning, ShellPath
 from dshell.release.specimen_shell import ContactLimits, ShellModel, SpecimenShell
+from dshell.release.states import ShellStateFinder
 from dshell.release.static import StaticPath, StepLimits, equilibrium_solver
 from dshell.settings import MorleySettings, PaperSettings, ReleaseSettings
 from dshell.solve.linear_solver import best_linear_solver
+from dshell.solve.newton import EquilibriumSolver
 
 MakeModel = Callable[[Specimen], ShellModel]
 Prolong = Callable[[Array, PlanarMesh, PlanarMesh], Array]
@@ -131,26 +133,50 @@ def open_shell_path(
 def _shell_path(
     specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings, begins: Sequence[Begin]
 ) -> ShellPath:
+    shell, solver = _shell_and_solver(specimen, mesh, settings)
+    return ShellPath(shell, solver, _static_or_dynamic(shell, solver, settings), begins)
+
+
+def open_shell_finder(
+    specimen: Specimen, settings: ReleaseSettings, mesh: PlanarMesh, stretch: StretchPair
+) -> ShellStateFinder:
+    """Return a finder of a shell's stable shapes; see `bilayer.solvers.contract.OpenFinder`.
+
+    Parameters
+    ----------
+    specimen, settings, mesh, stretch
+        As for `dshell.solver.open_finder`.
+    """
+    shell, solver = _shell_and_solver(specimen, mesh, settings)
+    path = _static_or_dynamic(shell, solver, replace(settings, method="static"))
+    return ShellStateFinder(shell, solver, path, stretch)
+
+
+def _shell_and_solver(
+    specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings
+) -> tuple[SpecimenShell, EquilibriumSolver]:
     models_contact = settings.contact == "barrier" and contact_is_installed()
     contact = ContactLimits(settings.contact_range) if models_contact else None
     make_model = _model_maker(mesh, settings)
     shell = SpecimenShell(specimen, mesh, make_model, settings.tolerance, contact)
-    solver = equilibrium_solver(shell, best_linear_solver())
+    return shell, equilibrium_solver(shell, best_linear_solver())
+
+
+def _static_or_dynamic(
+    shell: SpecimenShell, solver: EquilibriumSolver, settings: ReleaseSettings
+) -> StaticPath[Milestone]:
     branch = BRANCH_RULES[settings.branch](solver, shell.escape)
     limits = StepLimits(
         settings.tolerance,
         settings.max_iterations,
-        settings.longest_step * specimen.characteristic_length,
+        settings.longest_step * shell.specimen.characteristic_length,
         settings.ramp,
         settings.smallest_step,
     )
-    path: StaticPath[Milestone]
     if settings.method == "dynamic":
         motion = MotionLimits(settings.total_time, settings.time_step, settings.damping_rate)
-        path = DynamicPath(shell, motion, limits, solver, branch)
-    else:
-        path = StaticPath(shell, limits, solver, branch)
-    return ShellPath(shell, solver, path, begins)
+        return DynamicPath(shell, motion, limits, solver, branch)
+    return StaticPath(shell, limits, solver, branch)
 
 
 def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:

@@ -201,6 +201,11 @@ class StaticPath(Generic[Load]):
             else:
                 step /= 2
 
+    def limits_at(self, load: Load, iterations: int) -> NewtonLimits:
+        """Return the limits of a search for equilibria under a load."""
+        scale = self._force_scale(self._problem.body(load), load)
+        return self._newton_limits(scale, min(iterations, self._limits.iterations))
+
     def _arrived(self, found: ShellState[Load], share: float) -> ShellState[Load]:
         self._here = replace(found, share=share, effort=self._spent())
         return self._here

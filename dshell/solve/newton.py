@@ -12,7 +12,7 @@ Each of them updates the factor (BFGS). A correction that would raise the energy
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -63,6 +63,15 @@ there the residual force is the judge."""
 CORRECTION_NOISE = 1e-12
 """Relative. Near an equilibrium a correction changes the energy by less, so that round-off would
 decide whether it is kept; there the residual force is the judge."""
+
+
+Deflation = Callable[[Array, Array], float]
+"""Takes a state and its Newton step, returns a factor of the step; see `dshell.solve.deflation`."""
+
+
+def undeflated(state: Array, step: Array) -> float:
+    """Return 1: no equilibrium is to be avoided."""
+    return 1.0
 
 
 class NoDescentError(ComputationError):
@@ -357,7 +366,13 @@ class EquilibriumSolver:
         except NoDescentError:
             return guess
 
-    def find_nearby_equilibrium(self, body: Body, start: Array, limits: NewtonLimits) -> Outcome:
+    def find_nearby_equilibrium(
+        self,
+        body: Body,
+        start: Array,
+        limits: NewtonLimits,
+        deflation: Deflation = undeflated,
+    ) -> Outcome:
         """Go to an equilibrium near a state, stable or not, by plain Newton steps, capped alone.
 
         Parameters
@@ -368,6 +383,9 @@ class EquilibriumSolver:
             The first state, m.
         limits : NewtonLimits
             When to stop.
+        deflation : callable, optional
+            Takes a state and its Newton step, returns the factor of the step that leads away from
+            equilibria that are known.
         """
         here = self.configure(body, start)
         for iteration in range(limits.iterations + 1):
@@ -379,7 +397,8 @@ class EquilibriumSolver:
                 factor = self._linear.factor(here.hessian())
             except SingularMatrixError:
                 break
-            step = _cap_step(self._step(factor, here.residual), limits.longest_step)
+            step = self._step(factor, here.residual)
+            step = _cap_step(deflation(here.state, step) * step, limits.longest_step)
             here = here.pushed(step)
         return Outcome(here.state, converged, here.error, iteration)
 
@@ -392,13 +411,22 @@ class EquilibriumSolver:
             return self._linear.factor(hessian).negative
         return 0
 
+    def factor(self, hessian: csc_matrix) -> Factor:
+        """Return a factor of any Hessian on the assembly."""
+        return self._linear.factor(hessian)
+
     def unstable_direction(self, body: Body, state: Array) -> Array:
         """Return the direction of the negative eigenvalue nearest to 0, its largest entry 1."""
+        return self.unstable_directions(body, state, 1)[0]
+
+    def unstable_directions(self, body: Body, state: Array, count: int) -> Array:
+        """Return those of the negative eigenvalues nearest to 0, (count, dofs); see the first."""
         hessian = self.configure(body, state).hessian()
-        _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count=1)
-        direction = np.zeros_like(state)
-        direction[self.assembly.free] = modes[:, 0]
-        return direction / direction[np.argmax(np.abs(direction))]
+        _, modes = _negative_pairs(hessian, self._linear.factor(hessian), count)
+        directions = np.zeros((count, len(state)))
+        directions[:, self.assembly.free] = modes.T
+        largest = np.argmax(np.abs(directions), axis=1)
+        return directions / directions[np.arange(count), largest][:, None]
 
     def _iterate(self, here: Configuration, limits: NewtonLimits) -> Configuration:
         """Return the body after one iteration."""

@@ -1,0 +1,1 @@
+"""The stable shapes of a specimen at one prestretch, and what lies between them."""
