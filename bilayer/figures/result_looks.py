@@ -64,10 +64,9 @@ def result_looks(labels: Sequence[str]) -> list[Look]:
         known = _known(label)
         place = list(NAMES).index(known) if known else len(NAMES) + strangers.index(label)
         kind = known or label
-        name = label if known is None else NAMES[known] + label.removeprefix(known)
         looks.append(
             Look(
-                label_text(name),
+                label_text(plain_name(label)),
                 RESULT_COLOURS[place % len(RESULT_COLOURS)],
                 RESULT_MARKERS[place % len(RESULT_MARKERS)],
                 LINES[seen[kind] % len(LINES)],
@@ -79,7 +78,13 @@ def result_looks(labels: Sequence[str]) -> list[Look]:
 
 def result_name(label: str) -> str:
     """Return the name of one result in a figure."""
-    return result_looks([label])[0].name
+    return label_text(plain_name(label))
+
+
+def plain_name(label: str) -> str:
+    """Return the name of one result where no mathematics is read, as in a page."""
+    known = _known(label)
+    return label if known is None else NAMES[known] + label.removeprefix(known)
 
 
 def _known(label: str) -> str | None:

@@ -47,8 +47,8 @@ CUT_OFF = 0.005
 """Share of the faces at either end of a field's scale that take the colour of the end."""
 NO_VALUE = "#DDDDDD"
 """Of faces where a field has no number."""
-TRIAD = 10.0
-"""Length of the axes drawn in an isometric view, mm."""
+TRIAD = 1 / 8
+"""Length of the axes drawn in an oblique view, at most, over the width of what is shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +165,7 @@ def draw_shape(
     view : str or (float, float)
         See `draw_shapes`.
     ax : Axes, optional
-        Where to draw; a new figure if left out. A length of 10 mm is drawn beside the shape.
+        Where to draw; a new figure if left out. Directions and a length are drawn beside the shape.
 
     Raises
     ------
@@ -263,7 +263,8 @@ def frame_of(view: View, shapes: Sequence[Shape]) -> Array:
     """Return the lowest and highest (right, up) that hold every shape as seen, mm, (2, 2)."""
     seen = np.concatenate([view.project(shape.surface.points)[:, :2] for shape in shapes])
     margin = 0.03 * np.ptp(seen)
-    room = 0.0 if view is BIRDS_EYE else 0.7 * TRIAD  # below, for the triad
+    width = np.ptp(seen[:, 0]) + 2 * margin
+    room = 0.0 if view is BIRDS_EYE else 0.7 * round_length(TRIAD * width)  # below, for the triad
     return np.array([seen.min(axis=0) - [margin, margin + room], seen.max(axis=0) + margin])
 
 
@@ -282,12 +283,25 @@ def _draw_shape(axes: Axes, shape: Shape, paint: Paint, view: View, frame: Array
     drawn.set_facecolor(shades)
     axes.add_collection(drawn)
     axes.set(xlim=frame[:, 0], ylim=frame[:, 1], aspect="equal")
-    axes.xaxis.set_major_locator(MultipleLocator(20))
-    axes.yaxis.set_major_locator(MultipleLocator(20))
+    ticks = round_length(_size(frame).max() / 4)
+    axes.xaxis.set_major_locator(MultipleLocator(ticks))
+    axes.yaxis.set_major_locator(MultipleLocator(ticks))
     axes.set_title(shape.title, pad=3)
     axes.annotate(
         shape.note, (0.98, 0.02), xycoords="axes fraction", ha="right", va="bottom", fontsize=7
     )
+
+
+def round_length(longest: float) -> float:
+    """Return the largest length of 1, 2 or 5 times a power of ten that is not longer.
+
+    Examples
+    --------
+    >>> [round_length(longest) for longest in (10.6, 4.9, 0.3)]
+    [10.0, 2.0, 0.2]
+    """
+    power = 10.0 ** math.floor(math.log10(longest) + 1e-9)
+    return max(k * power for k in (1, 2, 5) if k * power <= longest * (1 + 1e-9))
 
 
 def _label_axes(panels: NDArray[Any], shown: int) -> None:
@@ -306,12 +320,13 @@ def _draw_triad(panels: NDArray[Any], view: View, frame: Array) -> None:
     for axes in panels.flat:
         axes.set_axis_off()
     first = panels[0, 0]
-    corner = frame[0] + TRIAD * np.array([0.3, 0.6])
-    for name, tip in zip("xyz", view.project(TRIAD * np.eye(3))[:, :2], strict=True):
+    length = round_length(TRIAD * _size(frame)[0])
+    corner = frame[0] + length * np.array([0.3, 0.6])
+    for name, tip in zip("xyz", view.project(length * np.eye(3))[:, :2], strict=True):
         arrow = {"arrowstyle": "->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
         first.annotate("", corner + tip, xytext=corner, arrowprops=arrow)
         first.text(*(corner + 1.3 * tip), name, ha="center", va="center", fontsize=7)
-    first.text(*(corner + TRIAD * np.array([1.3, -0.5])), f"axes: {TRIAD:g} mm", va="center",
+    first.text(*(corner + length * np.array([1.3, -0.5])), f"axes: {length:g} mm", va="center",
                fontsize=7)  # fmt: skip
 
 

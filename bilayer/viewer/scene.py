@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.figures.regions import region_colours, region_name, regions_of
+from bilayer.figures.result_looks import plain_name
 from bilayer.geometry.alignment import align
 from bilayer.geometry.surface import Surface
 from bilayer.measures.sphere import fit_sphere
@@ -67,7 +68,7 @@ class Model:
         """Return the model of a result; raise InputError if it holds no shape."""
         result = along_milestones(whole)
         mesh = result_mesh(result)
-        return cls(result_label(result), mesh, released_shapes(result, mesh))
+        return cls(plain_name(result_label(result)), mesh, released_shapes(result, mesh))
 
     @cached_property
     def positions(self) -> NDArray[np.float64]:

@@ -398,3 +398,11 @@ def test_a_curve_has_room_below_the_frame(whole):
     *_, height = draw_comparison(compare(whole, whole)).get_axes()
     assert height.get_ylim()[1] > 1.03 * height.get_lines()[0].get_ydata().max()
     assert height.get_ylim()[0] == 0
+
+
+@pytest.mark.parametrize(("factor", "length"), [(0.1, 1), (1, 10), (15, 100)])
+def test_scale_and_ticks_fit_the_size_of_the_shape(factor, length):
+    result = cap_result(small_specimen((1.03,)), motion=lambda x: factor * x)
+    side, above = visible_axes(draw_shapes(result))
+    assert f"axes: {length} mm" in texts(side)
+    assert 3 <= len(above.get_xticks()) <= 9

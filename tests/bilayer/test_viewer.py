@@ -65,7 +65,9 @@ def test_a_second_result_is_laid_over_the_first(result):
     fewer = cap_result(motion=lambda x: x @ TURN.T + 0.01).isel(prestretch=[0, 2])
     first, second = scene_in(view(result, fewer).text)["models"]
     assert second["places"] == [0, -1, 1]
-    distance = next(f for f in first["fields"] if f["name"].startswith("distance from dshell"))
+    distance = next(
+        f for f in first["fields"] if f["name"].startswith("distance from shell (paper)")
+    )
     assert distance["high"] < 1e-6
     steps = numbers(distance["values"], "<i2").reshape(3, -1)
     assert (steps[1] == -1).all() and (steps[[0, 2]] >= 0).all()
