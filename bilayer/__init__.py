@@ -18,6 +18,8 @@ if not {"netCDF4", "h5py"} & set(sys.modules):  # what is loaded has read it alr
 
 if TYPE_CHECKING:
     from bilayer.cutting.files import write_cut_files
+    from bilayer.designing.run import design
+    from bilayer.designing.task import read_design
     from bilayer.errors import BilayerError, ComputationError, InputError
     from bilayer.exports.conversion import convert, convert_milestones
     from bilayer.exports.series import convert_series
@@ -92,6 +94,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "bilayer.cutting.files": ("write_cut_files",),
+    "bilayer.designing.run": ("design",),
+    "bilayer.designing.task": ("read_design",),
     "bilayer.errors": ("BilayerError", "ComputationError", "InputError"),
     "bilayer.figures": (
         "draw_birds_eye",

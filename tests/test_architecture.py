@@ -33,6 +33,7 @@ FLOORS = {
         ["calculix"],
         ["figures"],
         ["viewer"],
+        ["designing"],
         ["study"],
         ["accessor"],
         ["cli"],

@@ -27,6 +27,7 @@ VERBS = {
     "info": "say what made a result, and how far it can be trusted",
     "study": "compute many specimens; a second start goes on where one ended",
     "plot-study": "draw a quantity of a study over one of its fields",
+    "design": "find the cuts, thicknesses and prestretch that make a wanted shape",
     "rerun": "compute a result again, and say whether the numbers agree",
 }
 

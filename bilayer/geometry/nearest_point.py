@@ -34,11 +34,24 @@ class NearestPoint:
         queries : (q, 3) array of float
             Points, m.
         """
+        return self.feet_of(queries)[0]
+
+    def feet_of(self, queries: Array) -> tuple[Array, NDArray[np.int64]]:
+        """Return `vectors_to` some points, (q, 3), and the triangles that they come from, (q,)."""
         _, samples = self._tree.query(queries, k=self._candidates)
         triangles = samples.reshape(len(queries), -1) // 3  # three samples each, in their order
         away = vectors_from_triangles(queries[:, None], self._corners[triangles])
         nearest = _dot(away, away).argmin(axis=1)
-        return np.take_along_axis(away, nearest[:, None, None], axis=1)[:, 0]
+        vectors = np.take_along_axis(away, nearest[:, None, None], axis=1)[:, 0]
+        return vectors, np.take_along_axis(triangles, nearest[:, None], axis=1)[:, 0]
+
+    def shares_of(self, feet: Array, triangles: NDArray[np.int64]) -> Array:
+        """Return the barycentric coordinates of points in their triangles, shape (q, 3)."""
+        a, b, c = np.moveaxis(self._corners[triangles], 1, 0)
+        normal = np.cross(b - a, c - a)
+        parts = [np.cross(c - b, feet - b), np.cross(a - c, feet - c), np.cross(b - a, feet - a)]
+        shares = [_dot(part, normal) for part in parts]
+        return np.stack(shares, axis=-1) / _dot(normal, normal)[:, None]
 
 
 def distance_to_triangles(points: Array, corners: Array) -> Array:

@@ -11,7 +11,7 @@ members are collective, and what they return is the same on all ranks.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
 import xarray as xr
@@ -138,6 +138,45 @@ class Linearised(Protocol):
 
     def position_change(self, state_change: Array) -> Array:
         """Return the change of the position, (n, 3), m, with the state, (dofs,)."""
+
+
+@runtime_checkable
+class ShapeLinearised(Linearised, Protocol):
+    """Equations that are differentiated by the flat sheet, too: where its mesh has its nodes."""
+
+    def points_gradient(self, adjoint: Array, position_gradient: Array) -> Array:
+        """Return the gradient of a function of the shape by the nodes of the planar mesh, (n, 2).
+
+        For a function J of the position that no rigid motion changes, this is
+
+            sum(dJ/dposition * dposition/dpoints) - adjoint . dresidual/dpoints
+
+        at the fixed state, 1/m times the unit of J.
+
+        Parameters
+        ----------
+        adjoint : (dofs,) array of float
+            solve(state_gradient(dJ/dposition)).
+        position_gradient : (n, 3) array of float
+            dJ/dposition.
+
+        Raises
+        ------
+        InputError
+            The model, its weight or its contact is none that can be differentiated so.
+        """
+
+    def residual_along(self, velocity: Array) -> Array:
+        """Return the derivative of the residual as the nodes move, the state fixed, (dofs,).
+
+        Parameters
+        ----------
+        velocity : (n, 2) array of float
+            Of the nodes in the flat sheet.
+        """
+
+    def position_along(self, velocity: Array) -> Array:
+        """Return the derivative of the position as the nodes move, the state fixed, (n, 3)."""
 
 
 class Equilibrium(PathPoint, Protocol):

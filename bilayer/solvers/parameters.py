@@ -4,6 +4,7 @@
 - `gravity`: the acceleration of the true weight, m/s2
 - `LAYER.thickness`: the natural thickness of a layer, m
 - `LAYER.density`: kg/m3
+- `LAYER.modulus`: the shear modulus of its law, Pa; all constants of the law go with it
 - `LAYER.material.CONSTANT`: a constant of its law, such as `substrate.material.C10`, Pa
 
 `difference_by` differentiates whatever is a smooth function of specimen and prestretch. Such
@@ -90,6 +91,8 @@ def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) ->
             return specimen.gravity
         case [layer, ("thickness" | "density") as name] if layer in specimen.layer_names:
             return float(getattr(specimen.layer(layer), name))
+        case [layer, "modulus"] if layer in specimen.layer_names:
+            return float(specimen.layer(layer).material.shear_modulus)
         case [layer, "material", name] if layer in specimen.layer_names:
             material = specimen.layer(layer).material
             constant = _constant(material, name)
@@ -97,7 +100,7 @@ def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) ->
                 return float(getattr(material, constant))
     raise InputError(
         f"parameter = {parameter!r}: expected prestretch, prestretch.x, prestretch.y, gravity, or "
-        "LAYER.thickness, LAYER.density or LAYER.material.CONSTANT with a layer of "
+        "LAYER.thickness, LAYER.density, LAYER.modulus or LAYER.material.CONSTANT with a layer of "
         f"{list(specimen.layer_names)}"
     )
 
@@ -118,9 +121,25 @@ def changed(
             material: Any = specimen.layer(layer).material
             material = replace(material, **{str(_constant(material, name)): value})
             return specimen.with_layer(layer, material=material), stretch
+        case [layer, "modulus"]:
+            material = specimen.layer(layer).material
+            stiffer = _stiffened(material, value / material.shear_modulus)
+            return specimen.with_layer(layer, material=stiffer), stretch
         case [layer, name]:
             return specimen.with_layer(layer, **{name: value}), stretch
     raise AssertionError(parameter)
+
+
+def _stiffened(material: Any, factor: float) -> Any:
+    """Return a law with all of its stresses multiplied by a factor."""
+    powers = {"Pa": factor, "1/Pa": 1 / factor}
+    changes = {}
+    for field in fields(material):
+        value, power = getattr(material, field.name), powers.get(material.units.get(field.name, ""))
+        if field.init and power is not None:
+            many = isinstance(value, (tuple, list))
+            changes[field.name] = tuple(power * part for part in value) if many else power * value
+    return replace(material, **changes)
 
 
 def _constant(material: Any, name: str) -> str | None:

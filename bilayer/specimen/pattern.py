@@ -6,7 +6,7 @@ and profiles are measured around the origin.
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -410,6 +410,11 @@ def kept_share(pattern: Pattern | None, outline: Outline) -> float:
     """Return the part of the outline's area where a layer lies, from 0 to 1; None: all of it."""
     if pattern is None:
         return 1.0
+    return _kept_share(pattern, outline)  # type: ignore[arg-type]  # both are frozen dataclasses
+
+
+@lru_cache(maxsize=64)  # every specimen asks, and most that are made differ in other things
+def _kept_share(pattern: Pattern, outline: Outline) -> float:
     return float(pattern.kept(outline).area / outline.polygon.area)
 
 

@@ -126,6 +126,11 @@ class MorleyFaces:
             [part.reshape(-1) for part in (self.corner_dofs, self.fold_dofs, self.edge_dofs)]
         )
 
+    @property
+    def corners(self) -> NDArray[np.int64]:
+        """Nodes of the faces, (m, 3)."""
+        return self._nodes[:, :3]
+
     def with_laminate(self, laminate: Laminate) -> "MorleyFaces":
         """Return the same faces of another laminate; what they share is not computed anew."""
         faces = copy(self)
@@ -164,9 +169,10 @@ class BentFaces:
         self._size = len(state)
         self._triangles = faces.flat.at(state[faces.corner_dofs])
         self._folds = Turn(state[faces.fold_dofs], turns_in(state, faces.turn_dofs))
-        turns = faces.turn_factors * self._folds.sharpness[faces.folds]
-        turns += faces.shares * state[faces.edge_dofs]
-        curvature = (faces.bending * turns).sum(axis=1)
+        self._state_at_edges = state[faces.edge_dofs]
+        self._turns = faces.turn_factors * self._folds.sharpness[faces.folds]
+        self._turns += faces.shares * self._state_at_edges
+        curvature = (faces.bending * self._turns).sum(axis=1)
         self.strains = np.concatenate([self._triangles.strain(), curvature])
         """Strain and curvature (Exx, Eyy, 2 Exy, kxx, kyy, 2 kxy), shape (6, m)."""
         self.laminate = faces.laminate.at(self.strains)
@@ -213,6 +219,35 @@ class BentFaces:
         ]
         forces = np.concatenate([part.reshape(-1) for part in parts])
         return sum_at(self._faces.force_dofs, forces, self._size)
+
+    def flat_gradient(self) -> Array:
+        """Return the derivative of the energy by the flat corners, the state fixed, N, (2, 3, m).
+
+        A motion of the corners with the gradient G over a face of area A changes the energy A w by
+        Q : G. With the deformation F, C = F^T F, the forces N and moments M of the face, its sides
+        s, and u = J s turned by a right angle, so that l n = u,
+
+            Q = A (w - M:k) 1 - A C N
+                + sum_i [2 c_i (J^T M u_i) s_i^T - 2 d_i (u_i.M u_i) s_i s_i^T],
+
+        c_i = a_i / l_i and d_i = p_i / l_i^4 for the turns a_i with the displacements p_i.
+        """
+        flat = self._faces.flat
+        stretch = _tensors(self.strains[:3] * [[2.0], [2.0], [1.0]]) + np.eye(2)[:, :, None]
+        pull, moment = _tensors(self._forces[:3]), _tensors(self._forces[3:])
+        bent = (self._forces[3:] * self.strains[3:]).sum(axis=0)
+        by_gradient = -np.einsum("abm,bcm->acm", stretch, pull)
+        by_gradient += (self.energy() - bent) * np.eye(2)[:, :, None]
+        u = flat.outward * flat.lengths
+        sides = np.stack([-u[1], u[0]])
+        bent_u = np.einsum("abm,bem->aem", moment, u)
+        turned = np.stack([-bent_u[1], bent_u[0]])
+        per_length = self._turns / flat.lengths**2 / flat.areas
+        moved = self._faces.shares * self._state_at_edges / flat.lengths**4 / flat.areas
+        by_gradient += np.einsum("em,aem,bem->abm", 2 * per_length, turned, sides)
+        along = -2 * moved * (u * bent_u).sum(axis=0)
+        by_gradient += np.einsum("em,aem,bem->abm", along, sides, sides)
+        return np.asarray(np.einsum("abm,bim->aim", by_gradient, flat.slopes))
 
     def hessian(self) -> list[Array]:
         """Return the second derivative, N/m: of the faces (m, 21, 21), of the folds (f, 12, 12)."""
@@ -300,6 +335,12 @@ def _clip_eigenvalues(matrices: Array) -> Array:
     """Return symmetric matrices with their negative eigenvalues set to zero."""
     values, vectors = np.linalg.eigh(matrices)
     return (vectors * np.maximum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
+
+
+def _tensors(parts: Array) -> Array:
+    """Return the symmetric tensors (2, 2, m) of parts (xx, yy, xy), shape (3, m)."""
+    xx, yy, xy = parts
+    return np.array([[xx, xy], [xy, yy]])
 
 
 def _tension(force: Array) -> Array:

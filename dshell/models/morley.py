@@ -1,6 +1,7 @@
 """The accurate model: Morley's shell with the layers and the natural state of a specimen."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,23 @@ class MorleyModel:
     ) -> list[LayerState]:
         """See `dshell.release.specimen_shell.ShellModel`."""
         return layer_states([faces.at(state) for faces in self.energies(stretch)], turn)
+
+    def with_specimen(self, specimen: Specimen) -> "MorleyModel":
+        """Return the model of another specimen on the same mesh."""
+        model = copy(self)
+        model._specimen = specimen
+        return model
+
+    def flat_gradient(self, stretch: tuple[float, float], state: Array) -> Array:
+        """Return the derivative of the energy by the flat places of the nodes, N, (n, 2).
+
+        The state stays, and so do the heights of the layers.
+        """
+        gradient = np.zeros((len(self._mesh.points), 2))
+        for faces in self.energies(stretch):
+            by_corners = faces.at(state).flat_gradient()
+            np.add.at(gradient, faces.corners, by_corners.transpose(2, 1, 0))
+        return gradient
 
     def _laminate(self, stretch: tuple[float, float]) -> Laminate:
         return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._quadratic)

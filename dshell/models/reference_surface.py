@@ -81,3 +81,36 @@ def reference_surface_gradient(
     for corner, part in enumerate((-by_b - by_c, by_b, by_c)):
         np.add.at(total, triangles[:, corner], part)
     return total
+
+
+def reference_surface_flat_gradient(
+    position: Array,
+    triangles: NDArray[np.int64],
+    flat_points: Array,
+    height: Array | float,
+    gradient: Array,
+) -> Array:
+    """Return the gradient by the flat places of the nodes, the surface below being fixed.
+
+    They are in the reference surface by the area stretch alone.
+
+    Parameters
+    ----------
+    position, triangles, height, gradient
+        As those of `reference_surface_gradient`.
+    flat_points : (n, 2) array of float
+        The flat places, m.
+    """
+    a, b, c = np.moveaxis(position[triangles], 1, 0)
+    area_vectors = 0.5 * np.cross(b - a, c - a)
+    around = np.column_stack([sum_at_nodes(triangles, column) for column in area_vectors.T])
+    normals = around / np.linalg.norm(around, axis=1)[:, None]
+    areas = sum_at_nodes(triangles, np.linalg.norm(area_vectors, axis=1))
+    by_flat_area = (height / areas * np.sum(gradient * normals, axis=1))[triangles].sum(axis=1)
+    x, y = np.moveaxis(flat_points[triangles], 2, 0)
+    total = np.zeros_like(flat_points)
+    for corner in range(3):
+        ahead, behind = (corner + 1) % 3, (corner + 2) % 3
+        by_corner = np.column_stack([y[:, ahead] - y[:, behind], x[:, behind] - x[:, ahead]])
+        np.add.at(total, triangles[:, corner], 0.5 * by_flat_area[:, None] * by_corner)
+    return total

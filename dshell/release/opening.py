@@ -38,7 +38,7 @@ from dshell.settings import MorleySettings, PaperSettings, ReleaseSettings
 from dshell.solve.linear_solver import best_linear_solver
 from dshell.solve.newton import EquilibriumSolver
 
-MakeModel = Callable[[Specimen], ShellModel]
+MakeModel = Callable[[Specimen, PlanarMesh], ShellModel]
 Prolong = Callable[[Array, PlanarMesh, PlanarMesh], Array]
 """Takes a shape on a coarse mesh, that mesh and a fine one; returns the shape on the fine one."""
 
@@ -157,7 +157,7 @@ def _shell_and_solver(
 ) -> tuple[SpecimenShell, EquilibriumSolver]:
     models_contact = settings.contact == "barrier" and contact_is_installed()
     contact = ContactLimits(settings.contact_range) if models_contact else None
-    make_model = _model_maker(mesh, settings)
+    make_model = _model_maker(settings)
     shell = SpecimenShell(specimen, mesh, make_model, settings.tolerance, contact)
     return shell, equilibrium_solver(shell, best_linear_solver())
 
@@ -179,11 +179,11 @@ def _static_or_dynamic(
     return StaticPath(shell, limits, solver, branch)
 
 
-def _model_maker(mesh: PlanarMesh, settings: ReleaseSettings) -> MakeModel:
-    """Return a function that makes the model of a specimen."""
+def _model_maker(settings: ReleaseSettings) -> MakeModel:
+    """Return a function that makes the model of a specimen on a mesh."""
     if isinstance(settings, MorleySettings):
-        return lambda specimen: MorleyModel(specimen, mesh, settings)
-    return partial(HingeModel, mesh=mesh)
+        return partial(MorleyModel, settings=settings)
+    return HingeModel
 
 
 def _led_by(start: xr.Dataset, mesh: PlanarMesh, target: Milestone) -> Beginning:

@@ -27,6 +27,7 @@ from bilayer.specimen.support import pins_besides
 from dshell.energies.assembly import Energy, deform, gradient_of
 from dshell.energies.skin_contact import SkinContact
 from dshell.models.masses import lumped_masses
+from dshell.models.morley import MorleyModel
 from dshell.models.reference_surface import reference_surface_over
 from dshell.release.loading import ShellLoading, unloaded
 from dshell.release.rigid_motion import choose_held_nodes
@@ -91,7 +92,7 @@ class SpecimenShell:
     specimen, mesh
         What is released, on which planar mesh.
     make_model : callable
-        Returns the model of a specimen on that mesh.
+        Returns the model of a specimen on a mesh.
     tolerance : float
         Norm of the residual force at an equilibrium, over that of the flat state.
     """
@@ -100,7 +101,7 @@ class SpecimenShell:
         self,
         specimen: Specimen,
         mesh: PlanarMesh,
-        make_model: Callable[[Specimen], ShellModel],
+        make_model: Callable[[Specimen, PlanarMesh], ShellModel],
         tolerance: float,
         contact: ContactLimits | None = None,
     ) -> None:
@@ -116,7 +117,7 @@ class SpecimenShell:
     @cached_property
     def model(self) -> ShellModel:
         """The model."""
-        return self._make_model(self.specimen)
+        return self._make_model(self.specimen, self.mesh)
 
     @cached_property
     def held(self) -> NDArray[np.int64]:
@@ -150,12 +151,22 @@ class SpecimenShell:
 
     def of(self, specimen: Specimen) -> "SpecimenShell":
         """Return another specimen on the same mesh, held at the same nodes."""
+        other = self._like(specimen, self.mesh)
+        if isinstance(self.model, MorleyModel):
+            other.model = self.model.with_specimen(specimen)
+        elif specimen == self.specimen:
+            other.model = self.model
+        return other
+
+    def on(self, mesh: PlanarMesh) -> "SpecimenShell":
+        """Return the same specimen with the nodes of its mesh elsewhere, held at the same nodes."""
+        return self._like(self.specimen, mesh)
+
+    def _like(self, specimen: Specimen, mesh: PlanarMesh) -> "SpecimenShell":
         other = SpecimenShell(
-            specimen, self.mesh, self._make_model, self._tolerance, self._contact_limits
+            specimen, mesh, self._make_model, self._tolerance, self._contact_limits
         )
         other._held_nodes = self._held_nodes
-        if specimen == self.specimen:
-            other.model = self.model
         return other
 
     def way(self, start: Milestone, end: Milestone) -> float:
@@ -194,6 +205,11 @@ class SpecimenShell:
         if self.memory is not None:
             blocks: Any = self.model.energies(stretch_of(milestone))
             self.memory.arrive(blocks, self.flat(milestone), state)
+
+    @property
+    def has_contact(self) -> bool:
+        """Whether the sheet presses on itself."""
+        return self._contact_limits is not None
 
     def contact(self, stretch: StretchPair) -> SkinContact | None:
         """Return the contact of the sheet with itself at a prestretch, None if it has none."""

@@ -74,9 +74,7 @@ def test_where_it_diverges_what_was_reached_is_kept(kind, coarse_specimen, coars
 
 @pytest.mark.parametrize("model", [lambda *case: MorleyModel(*case, MorleySettings()), HingeModel])
 def test_a_motion_that_diverges_keeps_what_was_reached(model, coarse_specimen, coarse_mesh):
-    shell = SpecimenShell(
-        coarse_specimen, coarse_mesh, lambda specimen: model(specimen, coarse_mesh), 1e-8
-    )
+    shell = SpecimenShell(coarse_specimen, coarse_mesh, model, 1e-8)
     solver = equilibrium_solver(shell, best_linear_solver())
     motion = MotionLimits(20.0, 0.01, 10.0, iterations=0)
     limits = StepLimits(1e-8, 200, 0.02)

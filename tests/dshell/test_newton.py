@@ -165,7 +165,7 @@ class GrownMiddle:
 def test_an_unstable_equilibrium_is_left(coarse_specimen, coarse_mesh, branch, is_stable):
     settings = HingeSettings()
     shell = SpecimenShell(
-        coarse_specimen, coarse_mesh, lambda specimen: GrownMiddle(coarse_mesh), settings.tolerance
+        coarse_specimen, coarse_mesh, lambda specimen, mesh: GrownMiddle(mesh), settings.tolerance
     )
     equilibria = equilibrium_solver(shell, best_linear_solver())
     limits = StepLimits(settings.tolerance, settings.max_iterations, 0.02, settings.ramp, 0.01)

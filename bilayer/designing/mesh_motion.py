@@ -1,0 +1,154 @@
+"""The motion of a planar mesh with outline and cuts, so that a design changes without remeshing.
+
+The sheet is described around the origin. Between the angles of the cuts at a radius, angles go
+linearly along; between the inner radius and the rim, so do radii. Within the inner radius the turn
+fades to none at the centre. Nodes on cuts and rim stay on them.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from bilayer.errors import InputError
+from bilayer.specimen.outline import Disc, Outline
+from bilayer.specimen.pattern import CutPattern, Pattern, SectorProfile
+from bilayer.specimen.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+TURN = 2 * math.pi
+PASSES = 12
+"""Of the search for a place whose radius and angle depend on each other; a disc needs one."""
+
+
+def move_points(points: Array, before: Specimen, after: Specimen) -> Array:
+    """Return where points of a flat sheet lie after its outline and cuts have changed.
+
+    Parameters
+    ----------
+    points : (n, 2) array of float
+        On the sheet of `before`, m.
+    before, after : Specimen
+        With the same kinds of outline and pattern.
+
+    Returns
+    -------
+    (n, 2) array of float
+        m; the points themselves if nothing has changed.
+
+    Raises
+    ------
+    InputError
+        The sheet has cuts that are not described around the origin.
+    """
+    if _geometry(before) == _geometry(after):
+        return points
+    return PolarSheet.of(before).move_to(PolarSheet.of(after), points)
+
+
+def _geometry(specimen: Specimen) -> tuple[Outline, tuple[Pattern | None, ...]]:
+    return specimen.outline, tuple(layer.pattern for layer in specimen.layers)
+
+
+@dataclass(frozen=True)
+class PolarSheet:
+    """A sheet around the origin, cut by sectors.
+
+    Parameters
+    ----------
+    outline : Outline
+        Star-shaped about the origin.
+    cut : CutPattern, SectorProfile or None
+        The cuts.
+    """
+
+    outline: Outline
+    cut: CutPattern | SectorProfile | None
+
+    @classmethod
+    def of(cls, specimen: Specimen) -> "PolarSheet":
+        """Return the sheet of a specimen."""
+        cuts = {layer.pattern for layer in specimen.layers if layer.pattern is not None}
+        cut = next(iter(cuts), None)
+        if len(cuts) > 1 or not isinstance(cut, CutPattern | SectorProfile | None):
+            raise InputError(
+                "pattern: expected one of the kinds 'sectors' and 'sector-profile', whose mesh can "
+                "be moved"
+            )
+        return cls(specimen.outline, cut)
+
+    @property
+    def inner_radius(self) -> float:
+        """Where the cuts begin, m; 0 without cuts."""
+        match self.cut:
+            case CutPattern():
+                return self.cut.inner_radius
+            case SectorProfile():
+                return self.cut.radii[0]
+        return 0.0
+
+    def edge_angles(self, radius: Array) -> Array:
+        """Return the angles of the cuts' edges at some radii, ascending, rad, shape (n, 2 cuts)."""
+        match self.cut:
+            case CutPattern():
+                half, strips = np.full_like(radius, self.cut.cutout_angle / 2), self.cut.strips
+            case SectorProfile():
+                half, strips = self.cut.half_angle(radius), self.cut.strips
+            case _:
+                return np.empty((len(radius), 0))
+        centres = TURN * (np.arange(strips) + 0.5) / strips
+        edges = centres[:, None] + np.multiply.outer(half, [[-1.0, 1.0]])
+        return edges.reshape(len(radius), -1)
+
+    def reach(self, angle: Array) -> Array:
+        """Return the distance of the rim from the origin at some angles, m, shape (n,)."""
+        if isinstance(self.outline, Disc):
+            return np.full_like(angle, self.outline.radius)
+        corners = shapely.get_coordinates(self.outline.polygon.exterior)[:-1]
+        around = np.arctan2(corners[:, 1], corners[:, 0]) % TURN
+        order = np.argsort(around)
+        corners, around = corners[order], around[order]
+        first = np.searchsorted(around, angle % TURN, side="right") - 1
+        start, end = corners[first], corners[(first + 1) % len(corners)]
+        along, way = end - start, np.column_stack([np.cos(angle), np.sin(angle)])
+        return _cross(start, along) / _cross(way, along)
+
+    def move_to(self, after: "PolarSheet", points: Array) -> Array:
+        """Return where points lie on another sheet of the same cuts, m, shape (n, 2)."""
+        x, y = points.T
+        radius, angle = np.hypot(x, y), np.arctan2(y, x) % TURN
+        inner, inner_after = self.inner_radius, after.inner_radius
+        share = (radius - inner) / (self.reach(angle) - inner)
+        within = radius / inner if inner else np.ones_like(radius)
+        fade = np.minimum(within, 1.0)
+        edges = self.edge_angles(np.maximum(radius, inner))
+        moved_angle, moved_radius = angle, radius
+        for _ in range(1 if isinstance(after.outline, Disc) else PASSES):
+            beyond = inner_after + share * (after.reach(moved_angle) - inner_after)
+            moved_radius = np.where(radius < inner, within * inner_after, beyond)
+            there = after.edge_angles(np.maximum(moved_radius, inner_after))
+            moved_angle = angle + fade * (_between_edges(angle, edges, there) - angle)
+        away = np.column_stack([np.cos(moved_angle), np.sin(moved_angle)])
+        return moved_radius[:, None] * away
+
+
+def _between_edges(angle: Array, before: Array, after: Array) -> Array:
+    """Return angles that lie between the same edges, at the same share of the way, (n,)."""
+    if before.shape[1] == 0:
+        return angle
+    rows = np.arange(len(angle))
+    before, after = (
+        np.column_stack([edges[:, -1] - TURN, edges, edges[:, 0] + TURN])
+        for edges in (before, after)
+    )
+    first = np.clip((before <= angle[:, None]).sum(axis=1) - 1, 0, before.shape[1] - 2)
+    start, width = before[rows, first], before[rows, first + 1] - before[rows, first]
+    there, wide = after[rows, first], after[rows, first + 1] - after[rows, first]
+    return there + (angle - start) * wide / np.where(width > 0, width, 1.0)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -1,0 +1,178 @@
+"""What a design leaves beside its evaluations: the specimen, cut files, pictures and a report.
+
+specimen.toml         the designed specimen, for `bilayer solve`
+parts-LAYER.dxf       what has to be cut
+shape.png             the shape beside the target
+search.png            the distance over the evaluations
+report.md             all of it in words
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from bilayer.cutting.files import CutFile, write_cut_files
+from bilayer.designing.distance import Place
+from bilayer.designing.evaluation import ShapeFound
+from bilayer.designing.run import DesignOutcome
+from bilayer.designing.variables import UNITS, kind_of, value_of
+from bilayer.geometry.nearest_point import NearestPoint
+from bilayer.geometry.surface import Surface
+from bilayer.measures.shape import measure_shape
+from bilayer.runtime.output_file import whole_file
+from bilayer.specimen.toml import specimen_to_toml
+
+SPECIMEN, REPORT, PARTS = "specimen.toml", "report.md", "parts.dxf"
+SHOWN_UNITS = {"m": (1e3, "mm"), "rad": (180 / np.pi, "deg"), "Pa": (1e-3, "kPa")}
+MM = 1e3
+
+
+def write_design(outcome: DesignOutcome, folder: str | Path) -> Path:
+    """Write the files of a design into its folder; return the report's.
+
+    Raises
+    ------
+    NotWrittenError
+        Writing failed.
+    """
+    place = Path(folder)
+    with whole_file(place / SPECIMEN, "specimen file") as written:
+        written.write_text(specimen_to_toml(outcome.specimen), encoding="utf-8")
+    least_web = max(outcome.task.widths.least_web, 1e-3)
+    parts = write_cut_files(outcome.specimen, place / PARTS, least_web=least_web)
+    _draw(outcome, place)
+    report = place / REPORT
+    with whole_file(report, "report") as written:
+        written.write_text(report_text(outcome, parts), encoding="utf-8")
+    return report
+
+
+def _draw(outcome: DesignOutcome, folder: Path) -> None:
+    from bilayer.figures.design import draw_search, draw_target  # matplotlib takes half a second
+    from bilayer.figures.saving import save_figure
+
+    last = outcome.checks[-1] if outcome.checks else None
+    if last is None:
+        found = outcome.from_flat.shapes[0]
+        shape, at = Surface(found.position, outcome.mesh.triangles), found.place
+    else:
+        shape, at = last.surface, last.distance.place
+    target = placed(outcome.task.target.surface, at)
+    away = NearestPoint(target).vectors_to(shape.corners.mean(axis=1))
+    save_figure(draw_target(shape, target, np.linalg.norm(away, axis=1)), folder / "shape.png")
+    nominal = [each.distances[0] if each.distances else np.nan for each in outcome.history]
+    worst = [max(each.distances, default=np.nan) for each in outcome.history]
+    best = [each.best for each in outcome.history]
+    save_figure(draw_search(nominal, worst, best), folder / "search.png")
+
+
+def placed(target: Surface, place: Place) -> Surface:
+    """Return a target at a place."""
+    return Surface(place.take(target.points), target.triangles)
+
+
+def report_text(outcome: DesignOutcome, parts: Sequence[CutFile]) -> str:
+    """Return the report, in Markdown."""
+    task = outcome.task
+    lines = [
+        f"# Design of {outcome.specimen.name}",
+        "",
+        f"Target: {task.target.words}, diagonal {MM * task.target.diagonal:.4g} mm.",
+        f"Shapes computed: {outcome.solves} by the shell"
+        + (f", {len(outcome.checks)} by the finite-element model." if outcome.checks else "."),
+        "",
+        *_verdict(outcome),
+        "",
+        "![The shape beside the target](shape.png)",
+        "",
+        "## The numbers",
+        "",
+        "| parameter | from | to | begin | design |",
+        "|---|---|---|---|---|",
+        *_numbers(outcome),
+        "",
+        *_distances(outcome),
+        "",
+        "![The search](search.png)",
+        "",
+        "## To make it",
+        "",
+        f"Specimen: [{SPECIMEN}]({SPECIMEN}).",
+        "",
+        *[f"- {part.words}" for part in parts],
+        *[f"- {part.part.layer}: {obstacle}" for part in parts for obstacle in part.obstacles],
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _verdict(outcome: DesignOutcome) -> Iterable[str]:
+    """Yield what is reached, by which model, and what holds the design."""
+    diagonal = outcome.task.target.diagonal
+    if outcome.checks:
+        last = outcome.checks[-1]
+        yield f"**Reached, by the finite-element model: {_away(last.distance.rms, diagonal)}.**"
+        yield last.words
+    else:
+        found = outcome.from_flat.shapes[0]
+        yield f"**Reached, by the shell alone: {_away(found.distance, diagonal)}.**"
+        yield "The finite-element model has not checked it."
+    if not outcome.is_the_same_from_flat:
+        along = outcome.along_the_way.shapes[0].distance
+        yield (
+            f"It is reachable only along the way of the search: there it is {MM * along:.3g} mm "
+            "from the target. From the flat sheet "
+            f"{outcome.flat_failure or 'another shape is reached'}."
+        )
+    held = outcome.bounds_reached
+    yield f"It is held by {', '.join(held)}." if held else "No bound holds it."
+
+
+def _away(distance: float, diagonal: float) -> str:
+    return f"{MM * distance:.4g} mm from the target ({distance / diagonal:.2%} of the diagonal)"
+
+
+def _numbers(outcome: DesignOutcome) -> Iterable[str]:
+    for variable in outcome.task.variables.variables:
+        factor, unit = SHOWN_UNITS.get(UNITS.get(kind_of(variable.name), ""), (1.0, ""))
+        begin = value_of(outcome.task.specimen, variable.name)
+        end = value_of(outcome.specimen, variable.name)
+        values = " | ".join(
+            f"{factor * value:.5g}" for value in (variable.low, variable.high, begin, end)
+        )
+        yield f"| `{variable.name}`{f' ({unit})' if unit else ''} | {values} |"
+
+
+def _distances(outcome: DesignOutcome) -> Iterable[str]:
+    radius = outcome.specimen.characteristic_length
+    yield "| shape | rms (mm) | mean (% of diagonal) | largest (%) | quality | HD | gap (mm) |"
+    yield "|---|---|---|---|---|---|---|"
+    for name, found in _shapes(outcome):
+        measured = measure_shape(outcome.mesh, found.position, radius)
+        yield _row(
+            name, found.distance, found.mean_distance, found.largest_distance,
+            outcome.task.target.diagonal, measured.quality, measured.hemisphere_distance, found.gap,
+        )  # fmt: skip
+    for number, check in enumerate(outcome.checks, start=1):
+        away = check.distance
+        yield _row(
+            f"finite elements, run {number}", away.rms, away.mean, away.largest,
+            outcome.task.target.diagonal, check.quality, check.hemisphere_distance, check.gap,
+        )  # fmt: skip
+
+
+def _row(
+    name: str, rms: float, mean: float, largest: float, diagonal: float, quality: float,
+    hemisphere: float, gap: float,
+) -> str:  # fmt: skip
+    gap_text = "far" if np.isinf(gap) else f"{MM * gap:.3g}"
+    return (
+        f"| {name} | {MM * rms:.4g} | {100 * mean / diagonal:.3g} | {100 * largest / diagonal:.3g} "
+        f"| {quality:.3f} | {hemisphere:.3f} | {gap_text} |"
+    )
+
+
+def _shapes(outcome: DesignOutcome) -> Iterable[tuple[str, ShapeFound]]:
+    scenarios = outcome.task.robustness.scenarios
+    for scenario, found in zip(scenarios, outcome.from_flat.shapes, strict=True):
+        yield f"shell, {scenario.words}", found

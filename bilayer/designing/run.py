@@ -1,0 +1,266 @@
+"""A design from its task to its end: stages of the search, and a last look from the flat sheet."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bilayer.designing.checked import Checked
+from bilayer.designing.evaluation import Evaluation
+from bilayer.designing.folder import DesignFolder
+from bilayer.designing.stage import Stage
+from bilayer.designing.task import DESIGN_SOLVER, DesignTask, read_design
+from bilayer.designing.trust_region import Iterate, NoValueError
+from bilayer.mesh.planar import PlanarMesh
+from bilayer.runtime.progress import Progress
+from bilayer.solvers.contract import Solver
+from bilayer.solvers.registry import solver_named
+from bilayer.specimen.specimen import Specimen
+
+Array = NDArray[np.float64]
+
+ENOUGH_FALL = 0.02
+"""Fall of the value in a stage, relative, that is worth another one."""
+WORSE = 1.5
+"""A value from flat, over that along the way, which is another shape's and not another mesh's."""
+FIRST_RADIUS_AGAIN = 0.05
+"""Half the width of the first box of a later stage."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """An evaluation of the search, for its history.
+
+    Parameters
+    ----------
+    stage : int
+        From 1.
+    distances : tuple of float
+        By scenario, m; empty if there was no shape.
+    best : float
+        The nominal distance of the best design of the stage so far, m.
+    radius : float
+        Half the width of the next box.
+    failure : str
+        Why there was no shape, or empty.
+    """
+
+    stage: int
+    distances: tuple[float, ...]
+    best: float
+    radius: float
+    failure: str
+
+
+@dataclass(frozen=True, eq=False)
+class DesignOutcome:
+    """A design.
+
+    Parameters
+    ----------
+    task : DesignTask
+        What was wanted.
+    specimen : Specimen
+        The design.
+    mesh : PlanarMesh
+        On which its shapes were found.
+    along_the_way : Evaluation
+        The best evaluation of the search.
+    from_flat : Evaluation
+        The same design, its shapes found from the flat sheet on a mesh of its own; that along the
+        way if there are none.
+    flat_failure : str
+        Why there are none from flat, or empty.
+    history : tuple of Tried
+        All evaluations.
+    checks : tuple of Checked
+        The design as the finite-element model has it; the last one is of this design.
+    """
+
+    task: DesignTask
+    specimen: Specimen
+    mesh: PlanarMesh
+    along_the_way: Evaluation
+    from_flat: Evaluation
+    history: tuple[Tried, ...]
+    checks: tuple[Checked, ...] = ()
+    flat_failure: str = ""
+
+    @property
+    def solves(self) -> int:
+        """Number of shapes that were computed, or tried."""
+        return len(self.history) * len(self.task.robustness.scenarios)
+
+    @property
+    def is_the_same_from_flat(self) -> bool:
+        """Whether the flat sheet comes to the shape of the search, but for the mesh."""
+        worse = self.from_flat.value > WORSE * self.along_the_way.value
+        return not self.flat_failure and not worse
+
+    @property
+    def bounds_reached(self) -> list[str]:
+        """What holds the design: bounds of variables, and least widths."""
+        variables = self.task.variables.variables
+        ends = [
+            f"{variable.name} = {bound:.6g}"
+            for variable, share in zip(variables, self.from_flat.point, strict=True)
+            for bound, at in ((variable.low, share < 1e-3), (variable.high, share > 1 - 1e-3))
+            if at
+        ]
+        return ends + self.task.widths.binding(self.specimen)
+
+
+def design(
+    task: DesignTask | str | Path,
+    folder: str | Path,
+    *,
+    progress: Progress | None = None,
+    observer: Callable[[Tried], None] | None = None,
+) -> DesignOutcome:
+    r"""Design a specimen that takes a wanted shape.
+
+    Parameters
+    ----------
+    task : DesignTask or path-like
+        What is wanted, or its file.
+    folder : path-like
+        Keeps all evaluations. Called again with the same task and folder, a design that was ended
+        at any moment goes on, and comes to the same end.
+    progress : callable, optional
+        See `bilayer.runtime.progress.Progress`.
+    observer : callable, optional
+        Told of each evaluation.
+
+    Returns
+    -------
+    DesignOutcome
+        The design.
+
+    Raises
+    ------
+    InputError
+        See the message.
+    ComputationError
+        The specimen that the search begins with has no shape.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import bilayer
+    >>> sheet = bilayer.paper_specimen().with_milestones([1.06])
+    >>> sheet = bilayer.Specimen(
+    ...     sheet.outline, sheet.layers, sheet.prestretch, bilayer.MeshSize(0.013)
+    ... )
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> _ = (folder / "sheet.toml").write_text(bilayer.specimen_to_toml(sheet))
+    >>> _ = (folder / "design.toml").write_text(
+    ...     'specimen = "sheet.toml"\n'
+    ...     'target = { shape = "hemisphere" }\n'
+    ...     'free = { prestretch = [1.02, 1.2] }\n'
+    ...     'search = { evaluations = 3 }\n'
+    ... )
+    >>> outcome = bilayer.design(folder / "design.toml", folder / "dome")
+    >>> outcome.from_flat.value < outcome.task.target.diagonal**2
+    True
+    >>> outcome.specimen.prestretch.milestones[0][0] > 1.06
+    True
+    """
+    wanted = task if isinstance(task, DesignTask) else read_design(task)
+    held = DesignFolder(folder)
+    held.claim(wanted.identity)
+    return _Design(wanted, held, progress, observer).run()
+
+
+class _Design:
+    """The run of a design."""
+
+    def __init__(
+        self,
+        task: DesignTask,
+        folder: DesignFolder,
+        progress: Progress | None,
+        observer: Callable[[Tried], None] | None,
+    ) -> None:
+        self._task, self._folder = task, folder
+        self._progress, self._observer = progress, observer
+        self._solver: Solver = solver_named(DESIGN_SOLVER)
+        self._history: list[Tried] = []
+
+    def run(self) -> DesignOutcome:
+        """Search stage by stage, then look at the design from flat."""
+        point = self._task.variables.shares_of(self._task.specimen)
+        searched = self._search(Stage.begin(self._folder, 1, self._task, point), self._left - 1)
+        while self._left > 1 and searched.has_fallen:
+            following = searched.stage.number + 1
+            stage = Stage.begin(self._folder, following, self._task, searched.best.point)
+            try:
+                searched = self._search(stage, self._left - 1)
+            except NoValueError:
+                break
+        return self._look(searched)
+
+    @property
+    def _left(self) -> int:
+        return self._task.limits.evaluations - len(self._history)
+
+    def _search(self, stage: Stage, evaluations: int) -> "_Searched":
+        """Return what the search on one mesh comes to."""
+        radius = self._task.limits.radius if stage.number == 1 else FIRST_RADIUS_AGAIN
+        limits = replace(self._task.limits, evaluations=max(evaluations, 1), radius=radius)
+        bests = []
+        for step in stage.search(self._folder, self._task, self._solver, limits):
+            bests.append(step.best)
+            self._tell(stage.number, step)
+        return _Searched(stage, bests[0], bests[-1])
+
+    def _look(self, searched: "_Searched") -> DesignOutcome:
+        """Return a design with its shapes from flat, on a mesh of its own.
+
+        If there are none, on that of the search.
+        """
+        last, best = searched.stage, searched.best
+        stage = Stage.begin(self._folder, last.number + 1, self._task, best.point)
+        specimen = stage.specimen(self._task, best.point)
+        outcome = DesignOutcome(
+            self._task, specimen, last.sheet.of(specimen), best, best, tuple(self._history)
+        )
+        try:
+            found = self._search(stage, 1).best
+        except NoValueError as error:
+            return replace(outcome, flat_failure=str(error))
+        history = tuple(self._history)
+        return replace(outcome, mesh=stage.sheet.mesh, from_flat=found, history=history)
+
+    def _tell(self, number: int, step: Iterate[Evaluation]) -> None:
+        shapes = () if step.tried is None else step.tried.shapes
+        tried = Tried(
+            number,
+            tuple(shape.distance for shape in shapes),
+            step.best.shapes[0].distance,
+            step.radius,
+            step.failure,
+        )
+        self._history.append(tried)
+        if self._observer is not None:
+            self._observer(tried)
+        if self._progress is not None:
+            share = min(1.0, len(self._history) / (self._task.limits.evaluations + 1))
+            away = 1e3 * tried.best
+            self._progress(share, f"stage {number}: {away:.4g} mm from the target")
+
+
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """What the search on one mesh came to: its first and its best evaluation."""
+
+    stage: Stage
+    first: Evaluation
+    best: Evaluation
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether another stage is worth it."""
+        return self.best.value < (1 - ENOUGH_FALL) * self.first.value

@@ -1,0 +1,87 @@
+"""The search: bounds, constraints, failures, with and without a curvature."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from bilayer.designing.trust_region import Limits, NoValueError, search, updated
+
+
+@dataclass(frozen=True, eq=False)
+class Value:
+    value: float
+    gradient: np.ndarray
+    curvature: np.ndarray | None = None
+    is_admissible: bool = True
+
+
+CENTRE = np.array([0.3, 0.9, 1.4])
+STIFF = np.array([[4.0, 1.0, 0.0], [1.0, 30.0, 2.0], [0.0, 2.0, 1.0]])
+
+
+def bowl(point, best, curvature=None):
+    away = point - CENTRE
+    return Value(float(away @ STIFF @ away / 2), STIFF @ away, curvature)
+
+
+def last(evaluate, count, constraints=None, start=0.5):
+    return list(search(evaluate, np.full(3, start), Limits(count), constraints))[-1]
+
+
+def test_the_least_value_within_the_bounds_is_found():
+    found = last(bowl, 40)
+    assert found.point[2] == pytest.approx(1.0)
+    assert np.abs(found.best.gradient[:2]).max() < 1e-3
+
+
+def test_a_known_curvature_takes_fewer_steps():
+    known = last(lambda point, best: bowl(point, best, STIFF), 40)
+    assert known.best.value == pytest.approx(last(bowl, 40).best.value, rel=1e-4)
+    assert known.evaluations < last(bowl, 40).evaluations
+
+
+def test_a_constraint_holds():
+    def margins(point):
+        return np.array([1.0 - point.sum()])
+
+    found = last(bowl, 40, margins, start=0.3)
+    assert found.point.sum() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_the_box_shrinks_where_there_is_no_value_and_the_search_goes_on():
+    tried = []
+
+    def half_blind(point, best):
+        tried.append(point)
+        if point[0] < 0.4:
+            raise NoValueError("nothing here")
+        return bowl(point, best)
+
+    found = last(half_blind, 40)
+    assert any(point[0] < 0.4 for point in tried)
+    assert 0.4 <= found.point[0] < 0.42
+
+
+def test_it_does_not_stay_where_it_may_not():
+    def guarded(point, best):
+        here = bowl(point, best)
+        return Value(here.value, here.gradient, None, bool(point[1] < 0.7))
+
+    assert last(guarded, 30).point[1] < 0.7
+
+
+def test_the_first_failure_is_told():
+    def blind(point, best):
+        raise NoValueError("nothing at all")
+
+    with pytest.raises(NoValueError, match="at all"):
+        list(search(blind, np.zeros(2), Limits(5)))
+
+
+def test_the_update_stays_positive_definite():
+    rng = np.random.default_rng(2)
+    curvature = np.eye(4)
+    for _ in range(30):
+        curvature = updated(curvature, rng.normal(size=4), rng.normal(size=4))
+    assert np.linalg.eigvalsh(curvature).min() > 0
