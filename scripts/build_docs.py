@@ -18,9 +18,11 @@ from documentation.reference import written_texts
 from documentation.staging import CHECKOUT, copy_mathjax, stage
 
 PAGES = sorted(
-    page for part in ("tutorials", "how-to") for page in (CHECKOUT / "docs" / part).glob("*.md")
+    page
+    for page in (CHECKOUT / "docs").rglob("*.md")
+    if page.parent.name in ("tutorials", "how-to") or "```python" in page.read_text("utf-8")
 )
-"""The pages whose blocks are run."""
+"""The pages whose blocks are run: the lessons, and all others with Python in them."""
 
 
 def main(words: Sequence[str] | None = None) -> int:

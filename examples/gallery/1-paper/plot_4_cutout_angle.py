@@ -48,7 +48,7 @@ assert float(far.sel({"cut.cutout_angle": 0.1})) > 0.6
 assert float(far.sel({"cut.cutout_angle": 0.4})) < 0.3
 
 # %%
-figure, axes = plt.subplots(figsize=(4.8, 3.6))
+figure, axes = plt.subplots(figsize=(4.8, 3.6), layout="constrained")
 for prestretch in (1.06, 1.12):
     values = quality.sel(prestretch=prestretch)
     axes.plot(values["cut.cutout_angle"], values, "o-", label=f"prestretch {prestretch}")

@@ -20,12 +20,12 @@ stretches = [1.0005, 1.001, 1.002, 1.003, 1.005, 1.01, 1.02]
 result = bilayer.solve(specimen.with_milestones(stretches), "dshell")
 
 # %%
-# The second moments of the nodes say it. Their ratio is that of the flat mesh as long as the shape
-# is a bowl, and falls when it rolls up, whatever the direction of the roll.
+# The widths of the body along its principal axes say it (root mean squares). Their ratio is that of
+# the flat mesh as long as the shape is a bowl, and falls when it rolls up, whatever the direction.
 
 
 def ratio_of(points):
-    """Return the second largest over the largest second moment of points."""
+    """Return the second largest width of points over the largest one."""
     return np.divide(*np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1::-1])
 
 
@@ -42,7 +42,7 @@ assert (result["unstable_modes"] == 0).all()
 shapes = bilayer.draw_isometric(result.isel(prestretch=[0, -1]))
 
 # %%
-figure, axes = plt.subplots(figsize=(4.8, 3.4))
+figure, axes = plt.subplots(figsize=(4.8, 3.4), layout="constrained")
 axes.plot(100 * (np.array(stretches) - 1), ratios, "o-")
 axes.set(xlabel="prestretch - 1 (%)", ylabel="width across over width along")
 figure.savefig("loss_of_symmetry.png")

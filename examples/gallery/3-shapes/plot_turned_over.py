@@ -37,7 +37,7 @@ print(f"kirigami above {heavy[0]:.2f} mm, below {heavy[1]:.2f} mm, without weigh
 assert abs(heavy[0] - heavy[1]) > 0.5
 
 # %%
-figure, axes = plt.subplots(figsize=(4.2, 3.2))
-axes.bar(["no weight", "kirigami above", "kirigami below"], [free[0], *heavy], color="#4477aa")
+figure, axes = plt.subplots(figsize=(4.2, 3.2), layout="constrained")
+axes.bar(["no weight", "kirigami\nabove", "kirigami\nbelow"], [free[0], *heavy], color="#4477aa")
 axes.set_ylabel("height (mm)")
 figure.savefig("turned_over.png")

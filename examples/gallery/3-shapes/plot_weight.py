@@ -42,7 +42,7 @@ print(f"derivative against difference: {100 * error:.2f} % apart")
 assert error < 0.03
 
 # %%
-figure, axes = plt.subplots(figsize=(4.4, 3.2))
+figure, axes = plt.subplots(figsize=(4.4, 3.2), layout="constrained")
 axes.plot(accelerations, 1e3 * heights, "o-")
 axes.set(xlabel="acceleration (m/s$^2$)", ylabel="height (mm)")
 figure.savefig("weight.png")
