@@ -23,6 +23,7 @@ BLOCK = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 FILE_NAME = re.compile(r"# ([\w.-]+\.(?:toml|csv))\n")
+COMMANDS = re.compile(r"^(?:    [^\n]*\n)+|^```bash\n.*?^```$", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"^ *(?:scripts/)?bilayer +(.*)$", re.MULTILINE)
 
 
@@ -97,6 +98,8 @@ def commands_of(page: str) -> Iterator[str]:
     """Yield the words behind `bilayer` of each command that a page shows."""
     page = re.sub(r"^```\n.*?^```$", "", page, flags=re.DOTALL | re.MULTILINE)  # no commands
     joined = re.sub(r" *\\\n *", " ", page)
-    for block in re.findall(r"^(?:    .*\n)+|^```bash\n.*?^```$", joined, re.DOTALL | re.MULTILINE):
+    for block in re.findall(
+        r"^(?:    [^\n]*\n)+|^```bash\n.*?^```$", joined, re.DOTALL | re.MULTILINE
+    ):
         for words in COMMAND.findall(block):
             yield re.sub(r"  +#.*| +# .*|[;>|].*", "", words).strip()
