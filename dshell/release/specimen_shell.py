@@ -273,9 +273,12 @@ class SpecimenShell:
         """Return the reference surface as a result has it, m, shape (n, 3).
 
         A shape that nothing outside holds has no orientation of its own: it is turned to lie on the
-        flat sheet as well as it can, and not as the held nodes happen to tilt it.
+        flat sheet as well as it can, and not as the held nodes happen to tilt it. One with supports
+        or loads is seen from the flat reference surface.
         """
         shape = self.reference_surface(milestone, state)
+        if self.specimen.supports or self.specimen.loads:
+            return shape - self._flat_level(milestone)
         if self.specimen.is_placed:
             return shape
         flat = flat_surface(self.mesh)
@@ -294,12 +297,19 @@ class SpecimenShell:
         That may be in any position, unless supports hold it where it is.
         """
         mesh, depth = self.mesh, -self.model.reference_height(stretch_of(milestone))
+        if self.specimen.supports:
+            shape = shape + self._flat_level(milestone)
         surface = reference_surface_over(shape, mesh.triangles, mesh.areas, depth)
         if not self.specimen.supports:
             surface = move_onto_held_points(surface, mesh.points, self._held_nodes)
         state = self._state_of(surface)
         state[self.held] = self.flat(milestone)[self.held]
         return state
+
+    def _flat_level(self, milestone: Milestone) -> Array:
+        """Return the way from the model's flat surface to the reference surface, m."""
+        height = np.asarray(self.model.reference_height(stretch_of(milestone)))
+        return np.multiply.outer(height, np.array([0.0, 0.0, 1.0]))
 
     def _state_of(self, nodes: Array) -> Array:
         """Return the state of nodes at (n, 3), m, with every other entry as it is flat."""

@@ -72,6 +72,14 @@ class LayeredMesh:
         finally:
             places[:] = before
 
+    def vertices_of_facets(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
+        """Return the original numbers of the vertices of this rank's facets, (n, 3)."""
+        if len(facets) == 0:
+            return np.empty((0, 3), dtype=np.int64)
+        self.mesh.topology.create_connectivity(2, 3)
+        nodes = dolfinx.mesh.entities_to_geometry(self.mesh, 2, facets)
+        return np.asarray(self._original[nodes], dtype=np.int64)
+
     def dofs_at(self, space: Any, vertices: NDArray[np.int64]) -> NDArray[np.int32]:
         """Dofs of a scalar Lagrange (sub)space at some original vertices, those seen by this rank.
 

@@ -72,6 +72,29 @@ class VolumeMesh:
         """Vertex at z = 0 over each planar node, shape (n,)."""
         return self.vertex_at[self.reference_level]
 
+    @property
+    def planar_nodes(self) -> NDArray[np.int64]:
+        """The planar node under each vertex, (v,)."""
+        nodes = np.empty(len(self.points), dtype=np.int64)
+        for row in self.vertex_at:
+            there = np.flatnonzero(row >= 0)
+            nodes[row[there]] = there
+        return nodes
+
+    def lowest_faces(self, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the vertices of the lowest face over each of some planar triangles, (k, 3)."""
+        faces = np.concatenate([np.delete(self.cells, corner, axis=1) for corner in range(4)])
+        heights = self.points[faces, 2]
+        faces = faces[np.ptp(heights, axis=1) == 0]
+        corners = np.sort(self.planar_nodes[faces], axis=1)
+        order = np.lexsort((self.points[faces[:, 0], 2], *corners.T[::-1]))
+        corners, faces = corners[order], faces[order]
+        is_first = np.ones(len(corners), dtype=bool)
+        is_first[1:] = (corners[1:] != corners[:-1]).any(axis=1)
+        key = np.array([len(self.vertex_at[0]) ** 2, len(self.vertex_at[0]), 1])
+        wanted = np.isin(corners[is_first] @ key, np.sort(triangles, axis=1) @ key)
+        return np.asarray(faces[is_first][wanted])
+
     def vertices_of(self, layer: int) -> NDArray[np.int64]:
         """Vertices of the cells of a layer, ascending."""
         return np.unique(self.cells[self.layer == layer])

@@ -59,12 +59,13 @@ class Tolerances:
     """Residuals relative to the reference: at goals and on the way between them.
 
     The reference is at least `least_reference`, so that a state without prestretch and load, whose
-    own is zero, has one.
+    own is zero, has one. `round_off` is the residual, N, below which no state can be asked to go.
     """
 
     goal: float
     path: float
     least_reference: float
+    round_off: float = 0.0
 
 
 class Continuation:
@@ -162,7 +163,8 @@ class Continuation:
         undeformed = self._newton.residual_norm(self._newton.solid.undeformed)
         reference = max(undeformed, self._tolerances.least_reference)
         at_goal = there == goal
-        accepted = reference * (self._tolerances.goal if at_goal else self._tolerances.path)
+        tolerance = self._tolerances.goal if at_goal else self._tolerances.path
+        accepted = max(reference * tolerance, self._tolerances.round_off)
         take_step = self._take_load_step if guided is None else self._follow_guide
         outcome = take_step(there, accepted, reference)
         if not outcome.converged:

@@ -5,17 +5,23 @@ also on the way down. The true weight comes on before the prestretch, over a way
 symmetry-breaking load vanishes at every target, so each is an equilibrium of the specimen as it is.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.specimen.load import Milestone
 from bilayer.specimen.prestretch import StretchPair
+
+Array = NDArray[np.float64]
 
 SHORTEST_FIRST_STRETCH = 1e-3
 WEIGHT_WAY = 0.02
 """Over which the weight comes on, as long as a change of the prestretch by this."""
+LOAD_WAY = 0.02
+"""A change of a load by its largest value counts as a change of the prestretch by this."""
 
 
 @dataclass(frozen=True)
@@ -28,48 +34,106 @@ class LoadPlace:
         (lambda_x, lambda_y).
     weight, imperfection : float
         Parts of the true weight and of the symmetry-breaking load that act.
+    values : tuple of float
+        Of the loads.
+    grips : tuple of float
+        1 if a displacement is held, or for any other load; 0 if it is free.
+    forces : tuple of float
+        The share of the force that held a displacement before, while it is let go.
     """
 
     stretch: StretchPair
     weight: float
     imperfection: float
+    values: tuple[float, ...] = ()
+    grips: tuple[float, ...] = ()
+    forces: tuple[float, ...] = ()
+
+    @property
+    def milestone(self) -> Milestone:
+        """The prestretch and the values of the loads, NaN if a displacement is free."""
+        held = zip(self.values, self.grips, strict=True)
+        return (*self.stretch, *(value if grip else math.nan for value, grip in held))
 
 
 class LoadSchedule:
     """Piecewise linear path of (lambda_x, lambda_y) from (1, 1) through targets in any order.
 
+    Loads go along, from 0. On the way to a target that holds a displacement it is held, from where
+    it is. On the way to one that frees it, the force that held it goes to 0 instead.
+
     Parameters
     ----------
-    targets : sequence of (float, float)
-        Prestretch at each.
+    targets : sequence of milestones
+        Prestretch at each, and the values of the loads.
+    scales : sequence of float
+        Largest value of each load.
     weight_way : float
         Length of the way over which the weight comes on, before the prestretch; 0 without weight.
     """
 
-    def __init__(self, targets: Sequence[StretchPair] = (), *, weight_way: float = 0.0) -> None:
+    def __init__(
+        self,
+        targets: Sequence[Milestone] = (),
+        *,
+        scales: Sequence[float] = (),
+        weight_way: float = 0.0,
+    ) -> None:
         self._stretches = np.array([(1.0, 1.0), (1.0, 1.0)])
+        self._scales: Array = np.array(scales, dtype=float)
+        self._values: Array = np.zeros((2, len(scales)))
+        self._grips: Array = np.ones((2, len(scales)))
         self._ends = np.array([0.0, weight_way])
         for target in targets:
             self.add_target(target)
 
-    def add_target(self, target: StretchPair) -> float:
-        """Go on to another target; return its parameter."""
-        length = float(np.abs(np.subtract(target, self._stretches[-1])).max())
+    def add_target(self, target: Milestone, reached: Sequence[float] = ()) -> float:
+        """Go on to another target; return its parameter.
+
+        Parameters
+        ----------
+        target : tuple of float
+            (lambda_x, lambda_y), then the value of each load, NaN if a displacement is free.
+        reached : sequence of float
+            The displacements from which the way goes on where they are free now; of other loads it
+            is not used.
+        """
+        if len(target) != 2 + len(self._scales):
+            raise ValueError(f"target of {len(target)} values, expected {2 + len(self._scales)}")
+        stretch = np.array(target[:2])
+        length = float(np.abs(stretch - self._stretches[-1]).max())
+        length = max(length, self._add_loads(np.array(target[2:], dtype=float), reached))
         if len(self._ends) == 2:
             length = max(length, SHORTEST_FIRST_STRETCH)  # a way for the imperfection to go
-        self._stretches = np.vstack([self._stretches, target])
+        self._stretches = np.vstack([self._stretches, stretch])
         self._ends = np.append(self._ends, self._ends[-1] + length)
         return float(self._ends[-1])
 
+    def _add_loads(self, values: Array, reached: Sequence[float]) -> float:
+        """Go on to other values of the loads; return the length of the way."""
+        is_free, was_free = np.isnan(values), self._grips[-1] == 0
+        if was_free.any() and len(reached):
+            self._values[-1] = np.where(was_free, reached, self._values[-1])
+        values = np.where(is_free, self._values[-1], values)
+        grips = np.where(is_free, 0.0, 1.0)
+        change = np.abs(values - self._values[-1]) / self._scales
+        change = np.concatenate([change, np.abs(grips - self._grips[-1])])
+        self._values = np.vstack([self._values, values])
+        self._grips = np.vstack([self._grips, grips])
+        return LOAD_WAY * float(change.max(initial=0.0))
+
     def leave_at(self, parameter: float) -> None:
         """Go on from a place before the last target, which the path has not come to."""
-        here, stretch = parameter, self.stretch(parameter)
+        here, place = parameter, self.place(parameter)
         kept = self._ends <= here
         kept[:2] = True  # flat, and where the weight is on
         self._ends, self._stretches = self._ends[kept], self._stretches[kept]
+        self._values, self._grips = self._values[kept], self._grips[kept]
         if here > self.end:
             self._ends = np.append(self._ends, here)
-            self._stretches = np.vstack([self._stretches, stretch])
+            self._stretches = np.vstack([self._stretches, place.stretch])
+            self._values = np.vstack([self._values, place.values])
+            self._grips = np.vstack([self._grips, place.grips])
 
     @property
     def milestones(self) -> list[float]:
@@ -77,9 +141,9 @@ class LoadSchedule:
         return [float(end) for end in self._ends[2:]]
 
     @property
-    def targets(self) -> NDArray[np.float64]:
-        """(lambda_x, lambda_y) at each target, (n, 2)."""
-        return self._stretches[2:]
+    def targets(self) -> list[Milestone]:
+        """The prestretch and the values of the loads at each target."""
+        return [self.place(end).milestone for end in self.milestones]
 
     @property
     def end(self) -> float:
@@ -95,7 +159,10 @@ class LoadSchedule:
     @property
     def turns_back(self) -> bool:
         """Whether the way to the last target leads back the way to the one before."""
-        before, after = np.diff(self._stretches[-3:], axis=0)
+        if np.ptp(self._grips[-3:], axis=0).any():
+            return False
+        places = np.hstack([self._stretches, LOAD_WAY * self._values / self._scales])
+        before, after = np.diff(places[-3:], axis=0)
         opposite = before @ after < 0
         cosine_squared = (before @ after) ** 2 / max((before @ before) * (after @ after), 1e-300)
         return bool(opposite and cosine_squared > 1 - 1e-12)
@@ -106,7 +173,19 @@ class LoadSchedule:
             self.stretch(parameter),
             self.weight_fraction(parameter),
             self.imperfection_fraction(parameter),
+            *self._loads_at(parameter),
         )
+
+    def _loads_at(self, parameter: float) -> tuple[tuple[float, ...], ...]:
+        """Return values, grips and shares of forces of the loads at a parameter."""
+        end = min(max(int(np.searchsorted(self._ends, parameter)), 1), len(self._ends) - 1)
+        begin, length = self._ends[end - 1], self._ends[end] - self._ends[end - 1]
+        share = (parameter - begin) / length if length > 0 else 1.0
+        values = self._values[end - 1] + share * (self._values[end] - self._values[end - 1])
+        grips = self._grips[end]
+        forces = (1 - share) * (self._grips[end - 1] - grips).clip(min=0.0)
+        found = (values, grips, forces)
+        return tuple(tuple(float(each) for each in part) for part in found)
 
     def stretch(self, parameter: float) -> StretchPair:
         """Return (lambda_x, lambda_y) at a parameter."""
@@ -125,6 +204,8 @@ class LoadSchedule:
         way turns smoothly onto the branch of less energy.
         """
         ends = np.delete(self._ends, 1)
+        if len(ends) == 1:
+            return 1.0  # no target yet
         segment = int(np.searchsorted(ends[1:-1], parameter))
         begin, end = ends[segment : segment + 2]
         share = float(np.clip((parameter - begin) / (end - begin), 0.0, 1.0))

@@ -1,5 +1,7 @@
 """The equations of the solid near an equilibrium: its factorised tangent, what a parameter does."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,7 +62,7 @@ class SolidLinearisation:
         return difference_by(self._residual, self._body.specimen, self._place.stretch, parameter)
 
     def _residual(self, specimen: Specimen, stretch: StretchPair) -> Array:
-        place = LoadPlace(stretch, self._place.weight, self._place.imperfection)
+        place = replace(self._place, stretch=stretch)
         with self._body.use_specimen(specimen, place):
             return self._numbering.gather(self._newton.residual(self._state))
 

@@ -14,7 +14,7 @@ from bilayer.results.starting import describe_run, describe_start
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Start
-from bilayer.specimen.specimen import Specimen, refuse_loading, refuse_time
+from bilayer.specimen.specimen import Specimen, refuse_time
 from fenics_model.release.solid_path import SolidPath
 from fenics_model.settings import SolidSettings, bytes_per_triangle
 
@@ -29,14 +29,13 @@ def open_solid_path(
     progress: Progress | None = None,
 ) -> SolidPath:
     """Return the path of a specimen's solid, on the ranks of `comm`; None: all."""
-    refuse_loading(specimen, "the finite-element model")
     refuse_time(specimen, "the finite-element model")
     comm = MPI.COMM_WORLD if comm is None else comm
     available = available_memory(comm)
     planar: PlanarMesh = from_first_rank(
         comm, lambda: _make_mesh(specimen, mesh, settings, available)
     )
-    made, text = _make_start(start, planar, comm)
+    made, text = _make_start(None if specimen.loads else start, planar, comm)
     shapes = None if made is None else StartShapes.of(made, planar)
     told = progress if comm.rank == 0 else None
     return SolidPath(specimen, planar, settings, comm, shapes, text, told)

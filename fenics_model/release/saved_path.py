@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bilayer.results.start_shapes import StartShapes
 from bilayer.solvers.contract import Saved
-from bilayer.specimen.prestretch import StretchPair
+from bilayer.specimen.load import Milestone
 from fenics_model.path.continuation import Continuation
 from fenics_model.path.guide import Guide
 from fenics_model.path.load_schedule import LoadSchedule
@@ -25,7 +25,7 @@ class SavedPath:
 
     Parameters
     ----------
-    targets : sequence of (float, float)
+    targets : sequence of milestones
         Those so far.
     equilibria : sequence of (float, State)
         Parameters and states that the predictor knows, the last one last.
@@ -43,7 +43,7 @@ class SavedPath:
         Their source.
     """
 
-    targets: Sequence[StretchPair]
+    targets: Sequence[Milestone]
     equilibria: Sequence[tuple[float, State]]
     step: float
     failures: int
@@ -64,7 +64,7 @@ class SavedPath:
     ) -> "SavedPath":
         """Return the state of a path."""
         return cls(
-            [(float(x), float(y)) for x, y in loads.targets],
+            loads.targets,
             list(continuation.predictor.known),
             continuation.control.size,
             continuation.control.failures,
@@ -119,7 +119,7 @@ class SavedPath:
             shapes = StartShapes(saved["shape_stretch"], saved["shape_position"], last)
         reasons = zip(saved.get("left_parameter", ()), saved.get("left_reason", ()), strict=True)
         return cls(
-            [(float(x), float(y)) for x, y in saved.get("targets", ())],
+            [tuple(float(value) for value in row) for row in saved.get("targets", ())],
             [(t, State(values)) for t, values in pairs("equilibrium")],
             float(saved["step"][0]),
             int(saved["failures"][0]),

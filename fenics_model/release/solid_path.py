@@ -32,7 +32,7 @@ from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcom
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
 from fenics_model.path.guide import Guide
-from fenics_model.path.load_schedule import WEIGHT_WAY, LoadSchedule
+from fenics_model.path.load_schedule import WEIGHT_WAY, LoadPlace, LoadSchedule
 from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
 from fenics_model.release.body_contact import make_contact
@@ -43,8 +43,8 @@ from fenics_model.release.linearisation import SolidLinearisation
 from fenics_model.release.saved_path import SavedPath
 from fenics_model.release.specimen_solid import (
     asymmetric_lift,
-    held_points,
     make_solid,
+    natural_state,
 )
 from fenics_model.release.volume_fields import volume_dataset
 from fenics_model.settings import SolidSettings
@@ -56,11 +56,16 @@ from fenics_model.solve.touching_newton import TouchingNewton
 
 Array = NDArray[np.float64]
 
-REFERENCE_STRETCH = (1.001, 1.001)
+STRETCH = 1.001
+REFERENCE_STRETCH = (STRETCH, STRETCH)
 """Tolerances are relative to what is to be balanced, at least to this prestretch."""
 
 RELAXING_ITERATIONS = 4
 """Of a guess with its surface held; one that needs more is no good."""
+LEAST_LOAD = 1e-3
+"""The same of the loads, over their largest values."""
+ROUND_OFF = 1e-12
+"""Of the residual of a sheet that is stretched by `STRETCH`, the part that is round-off."""
 
 FIRST_DISTANCE = 0.1
 """Of the walk off an unstable milestone, over the carrier's thickness."""
@@ -117,13 +122,13 @@ class SolidEquilibrium:
 
     @property
     def milestone(self) -> Milestone:
-        """The same."""
-        return self.stretch
+        """Its prestretch and loads."""
+        return self.place.milestone
 
     @property
     def responses(self) -> Mapping[str, float]:
-        """Return none."""
-        return {}
+        """What each load does its work on, by its name."""
+        return self._body.loading.responses(self._point.state, self.place)
 
     @property
     def residual(self) -> float:
@@ -222,12 +227,15 @@ class SolidPath:
     ) -> None:
         self._progress = progress
         self.body = make_solid(specimen, mesh, settings, comm)
-        self.loads = LoadSchedule(weight_way=WEIGHT_WAY if specimen.gravity else 0.0)
+        self.loads = LoadSchedule(
+            scales=[load.scale for load in specimen.loads],
+            weight_way=WEIGHT_WAY if specimen.gravity else 0.0,
+        )
         self.mesh, self.comm = mesh, comm
         self.contact = make_contact(self.body)
         self._shapes, self._start = shapes, start
         self._loaded = 0.0
-        self._nodes = choose_held_nodes(mesh.points, specimen.gravity, mesh.centroid)
+        self._nodes = choose_held_nodes(mesh.points, float(specimen.is_placed), mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
             self._search = self._make_search()
@@ -237,11 +245,10 @@ class SolidPath:
 
     def _make_newton(self) -> Newton:
         solid, settings = self.body.solid, self.body.settings
-        points = held_points(self._nodes, solid.mesh.volume)
         make = Newton if self.contact is None else partial(TouchingNewton, contact=self.contact)
         return make(
             solid,
-            [*solid.absent_pressures(), *solid.held_points(points)],
+            [*solid.absent_pressures(), *self.body.loading.held(self._nodes)],
             iteration_limit=settings.iteration_limit,
             options=settings.petsc_options,
             stopwatch=Stopwatch(),
@@ -264,7 +271,9 @@ class SolidPath:
     def _make_continuation(self) -> Continuation:
         settings = self.body.settings
         self.body.prestretch(self.body.specimen, REFERENCE_STRETCH)
-        least = self._newton.residual_norm(self.body.solid.undeformed)
+        least, round_off = self._newton.residual_norm(self.body.solid.undeformed), 0.0
+        if self.body.specimen.loads:
+            least, round_off = max(least, self._least_of_loads()), self._round_off()
         return Continuation(
             self._newton,
             self._search,
@@ -275,9 +284,25 @@ class SolidPath:
                 settings.largest_step,
                 settings.target_iterations,
             ),
-            Tolerances(settings.tolerance, settings.path_tolerance, least),
+            Tolerances(settings.tolerance, settings.path_tolerance, least, round_off),
             guide=self._guide,
         )
+
+    def _least_of_loads(self) -> float:
+        """Return the residual of the undeformed mesh under a small part of all loads."""
+        values = tuple(LEAST_LOAD * load.scale for load in self.body.specimen.loads)
+        held, let_go = (1.0,) * len(values), (0.0,) * len(values)
+        self.body.load(LoadPlace((1.0, 1.0), 0.0, 0.0, values, held, let_go))
+        return self._newton.residual_norm(self.body.solid.undeformed)
+
+    def _round_off(self) -> float:
+        """Return the residual that no equilibrium can be asked to go below, N.
+
+        It goes with the stiffness of the sheet, beside which a load may be very small.
+        """
+        for layer in self.body.solid.layers:
+            layer.natural.value = natural_state(((STRETCH, 0.0), (0.0, STRETCH)), "natural")
+        return ROUND_OFF * self._newton.residual_norm(self.body.solid.undeformed)
 
     def _make_search(self) -> BranchSearch:
         specimen, settings = self.body.specimen, self.body.settings
@@ -328,12 +353,13 @@ class SolidPath:
 
     def approach(self, target: Milestone) -> Iterator[SolidEquilibrium]:
         """Go to a milestone; see `bilayer.solvers.contract.Path`."""
-        stretch = stretch_of(target)
         here = self._continuation.parameter
         if here < self.loads.end:
             self.loads.leave_at(here)
-        begin, goal = self.loads.last, self.loads.add_target(stretch)
-        shapes = self._shapes_between(begin, stretch, goal)
+        state, place = self._continuation.predictor.last, self.loads.place(here)
+        reached = self.body.loading.note(state, place)
+        begin, goal = self.loads.last, self.loads.add_target(target, reached)
+        shapes = self._shapes_between(begin, stretch_of(target), goal)
         if self.loads.turns_back:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
             shapes = {}
@@ -350,6 +376,8 @@ class SolidPath:
         found = self._shapes.take_shapes(begin, target)
         if not found and len(self.loads.milestones) == 1:
             found = [self._shapes.take_nearest(target)]
+        if self.body.specimen.supports:
+            return {goal - shape.remaining: shape.shape for shape in found}
         return {
             goal - shape.remaining: move_onto_held_points(
                 shape.shape, self.mesh.points, self._nodes

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from bilayer.geometry.saddle_load import SaddleLoad
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.layer import Layer, Tensor
+from bilayer.specimen.load import LOAD_KINDS
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
 from fenics_model.path.load_schedule import LoadPlace
+from fenics_model.release.loading import SolidLoading, body_load, skin_pressure
 from fenics_model.settings import SolidSettings, elements_through
 from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
@@ -45,6 +47,8 @@ class SpecimenSolid:
         Of the layers, kg/m3.
     weight, saddle : dolfinx Constant
         The accelerations that act now.
+    loading : SolidLoading
+        Supports and loads.
     """
 
     solid: Solid
@@ -55,12 +59,14 @@ class SpecimenSolid:
     densities: tuple[fem.Constant, ...]
     weight: fem.Constant
     saddle: fem.Constant
+    loading: SolidLoading
 
     def load(self, place: LoadPlace) -> None:
         """Set natural states and loads for a place on the load path."""
         self.prestretch(self.specimen, place.stretch)
         self.weight.value = self.specimen.gravity * place.weight
         self.saddle.value = self.settings.imperfection * place.imperfection
+        self.loading.act(place)
 
     def prestretch(self, specimen: Specimen, stretch: StretchPair) -> None:
         """Set the natural states alone, those of a specimen."""
@@ -151,18 +157,24 @@ def make_solid(
     layered = LayeredMesh(extrude_layers(specimen, mesh, settings), comm)
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
     densities = tuple(_constant(layered, layer.density) for layer in layers)
+    of_kind = {kind: [ld for ld in specimen.loads if ld.kind == kind] for kind in LOAD_KINDS}
+    bodies = [body_load(load, layered, mesh) for load in of_kind["body_force"]]
+    pressures = [skin_pressure(load, layered, mesh) for load in of_kind["pressure"]]
     parts = []
     for layer, density in zip(layers, densities, strict=True):
         acceleration = -weight + saddle * _saddle_shape(layered, saddle_on(layer, specimen, mesh))
-        parts.append(_solid_layer(layered, layer, density * acceleration))
+        forces = [body.vector for body in bodies]
+        parts.append(_solid_layer(layered, layer, density * acceleration, forces))
     solid = Solid(
         layered,
         parts,
+        skin_pressures=pressures,
         pressure_scale=specimen.carrier.material.shear_modulus / specimen.carrier.thickness,
         quadrature_degree=settings.quadrature_degree,
     )
     names = tuple(layer.name for layer in layers)
-    return SpecimenSolid(solid, specimen, mesh, settings, names, densities, weight, saddle)
+    loading = SolidLoading(solid, specimen, mesh, bodies, pressures)
+    return SpecimenSolid(solid, specimen, mesh, settings, names, densities, weight, saddle, loading)
 
 
 def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
@@ -205,12 +217,17 @@ def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
     return [(a, 0), (a, 1), (a, 2), (b, 1), (b, 2), (c, 2)]
 
 
-def _solid_layer(mesh: LayeredMesh, layer: Layer, weight_density: Any) -> SolidLayer:
-    """Return a layer under a dead force per natural volume, N/m3."""
+def _solid_layer(
+    mesh: LayeredMesh, layer: Layer, weight_density: Any, forces: Sequence[Any]
+) -> SolidLayer:
+    """Return a layer under dead forces per natural volume, N/m3: one along z, and vectors."""
     natural = _constant(mesh, (1.0, 0.0, 1.0, 1.0))
     # det G volumes of mesh hold one natural volume, which is what the density is for
-    force = weight_density / ufl.det(natural_tensor(natural))
-    return SolidLayer(strain_energy(mesh, layer), natural, ufl.as_vector((0, 0, force)))
+    per_volume = ufl.det(natural_tensor(natural))
+    total = ufl.as_vector((0, 0, weight_density / per_volume))
+    for force in forces:
+        total += force / per_volume
+    return SolidLayer(strain_energy(mesh, layer), natural, total)
 
 
 def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:

@@ -19,9 +19,11 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fenics_model.api.jit import compiled_form
-from fenics_model.mesh.layered_mesh import LayeredMesh
+from fenics_model.mesh.layered_mesh import EDGES, LayeredMesh
+from fenics_model.solid.nodal_terms import NodalTerms
+from fenics_model.solid.skin_pressure import SkinPressure
 from fenics_model.solid.state import State
-from fenics_model.solid.strain_energy import StrainEnergy, stress
+from fenics_model.solid.strain_energy import StrainEnergy, natural_tensor, stress
 from fenics_model.solid.tangent import ExtrapolatedTangent
 from fenics_model.solid.unknown import Unknown
 
@@ -62,6 +64,8 @@ class Solid:
         Pa/m, makes q a length, so that residuals and corrections of both unknowns compare.
     quadrature_degree : int
         Degree that the quadrature integrates exactly.
+    skin_pressures : sequence of SkinPressure
+        Pressures on parts of the skin, which follow it.
 
     Attributes
     ----------
@@ -73,6 +77,8 @@ class Solid:
         First derivative of the potential energy.
     tangent : ExtrapolatedTangent
         Its second derivative.
+    nodal : NodalTerms
+        Forces and springs at single dofs, which are no part of the forms.
     displacement, gradient, pressures : UFL expressions
         u, grad(x) = I + grad(u), and p of each layer.
     dx : UFL measure
@@ -86,8 +92,10 @@ class Solid:
         *,
         pressure_scale: float,
         quadrature_degree: int = 4,
+        skin_pressures: Sequence[SkinPressure] = (),
     ) -> None:
         self.mesh, self.layers = mesh, layers
+        self._skin_pressures = list(skin_pressures)
         quadratic = basix.ufl.element("Lagrange", "tetrahedron", 2, shape=(3,))
         linear = basix.ufl.element("Lagrange", "tetrahedron", 1)
         self.space = fem.functionspace(
@@ -104,11 +112,19 @@ class Solid:
         self.pressures = [self.pressure_scale * q for q in unscaled]
         self.gradient = ufl.Identity(3) + ufl.grad(displacement)
         self._layer_energies = [self._form(density) for density in self._stored()]
-        residual = ufl.derivative(self._potential(), self.unknown, ufl.TestFunction(self.space))
+        self.nodal = NodalTerms(self._owned, mesh.mesh.comm)
+        test, trial = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        residual = ufl.derivative(self._potential(), self.unknown, test)
+        exact = ufl.derivative(residual, self.unknown, trial)
+        for pressure in self._skin_pressures:
+            part = pressure.residual(self.gradient, ufl.split(test)[0])
+            change = ufl.derivative(part, self.unknown, trial)
+            residual += part
+            exact += 0.5 * (change + ufl.adjoint(change))
         self.residual = self._form(residual)
         self.tangent = ExtrapolatedTangent(
             self.unknown,
-            ufl.derivative(residual, self.unknown, ufl.TrialFunction(self.space)),
+            exact,
             [
                 (stress(layer.energy, self.gradient, layer.natural, pressure), self.dx(i))
                 for i, (layer, pressure) in self._layers_with_pressure()
@@ -208,7 +224,7 @@ class Solid:
 
     def layer_energy(self, layer: int, state: State) -> float:
         """Return the strain energy of a layer, J, the same on every rank."""
-        return self._total(self._layer_energies[layer], state)
+        return self.total(self._layer_energies[layer], state)
 
     def cell_energies(self, layer: int, state: State) -> NDArray[np.float64]:
         """Return the strain energy of a layer in each cell of this rank, J; 0 in ghosts."""
@@ -227,26 +243,91 @@ class Solid:
         return [self._form(integral) for integral in self._stored(cell)]
 
     def potential_energy(self, state: State) -> float:
-        """Return the strain energy less the work of the dead loads, J, the same on every rank."""
-        return self._total(self._potential_form, state)
+        """Return the strain energy less the work of the loads, J, the same on every rank."""
+        stored = self.total(self._potential_form, state) + self.nodal.energy(state.values)
+        pressed = [
+            float(pressure.value) * self.swept_volume(pressure, state)
+            for pressure in self._skin_pressures
+        ]
+        return stored - sum(pressed)
 
-    def _total(self, form: fem.Form, state: State) -> float:
+    def swept_volume(self, pressure: SkinPressure, state: State) -> float:
+        """Return the volume that the faces of a pressure have swept, m3, the same on every rank."""
+        form = self._swept_forms[self._skin_pressures.index(pressure)]
+        return self.total(form, state) - self.total(form, self.undeformed)
+
+    @cached_property
+    def _swept_forms(self) -> list[fem.Form]:
+        return [
+            self._form(pressure.swept(self.gradient, self.displacement))
+            for pressure in self._skin_pressures
+        ]
+
+    def total(self, form: fem.Form, state: State) -> float:
+        """Return the value of a form at a state, the same on every rank."""
         with self.at(state):
             local = fem.assemble_scalar(form)
         return float(self.mesh.mesh.comm.allreduce(local, op=MPI.SUM))
+
+    def natural_integral(self, expression: Any) -> fem.Form:
+        """Return the form of the integral of an expression over the natural volume."""
+        return self._form(
+            sum(
+                expression / ufl.det(natural_tensor(layer.natural)) * self.dx(i)
+                for i, layer in enumerate(self.layers)
+            )
+        )
 
     @cached_property
     def _potential_form(self) -> fem.Form:
         """Compiled when it is first needed, which is seldom."""
         return self._form(self._potential())
 
+    @property
+    def _owned(self) -> int:
+        """Number of dofs that this rank owns."""
+        dofs = self.space.dofmap
+        return int(dofs.index_map.size_local * dofs.index_map_bs)
+
     @cached_property
     def _owned_displacements(self) -> NDArray[np.int32]:
         """Displacement dofs that this rank owns."""
-        index_map = self.space.dofmap.index_map
-        owned = index_map.size_local * self.space.dofmap.index_map_bs
         dofs = np.unique([self.component(axis).dofmap.list for axis in range(3)])
-        return dofs[dofs < owned].astype(np.int32)
+        return dofs[dofs < self._owned].astype(np.int32)
+
+    def displacement_dofs(
+        self, axis: int, pairs: NDArray[np.int64], *, owned: bool = False
+    ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+        """Return this rank's dofs of a displacement component at places, and which these are.
+
+        Parameters
+        ----------
+        axis : {0, 1, 2}
+            The component.
+        pairs : (k, 2) array of int
+            Original numbers of the two vertices between which each place is the middle; twice the
+            same at a vertex.
+        owned : bool
+            Leave the ghosts out.
+        """
+        corners, count = self.mesh.cell_vertices, len(self.mesh.volume.points)
+        ends = np.concatenate([np.stack([corners, corners], axis=2), corners[:, EDGES]], axis=1)
+        ends = np.sort(ends, axis=2)
+        keys, first = np.unique(ends[..., 0] * count + ends[..., 1], return_index=True)
+        dofs = self.component(axis).dofmap.list.reshape(-1)[first]
+        low, high = np.sort(pairs, axis=1).T
+        place = np.minimum(np.searchsorted(keys, low * count + high), max(len(keys) - 1, 0))
+        is_here = keys[place] == low * count + high if len(keys) else np.zeros(len(low), dtype=bool)
+        if owned:
+            is_here &= dofs[place] < self._owned
+        which = np.flatnonzero(is_here)
+        return dofs[place[which]].astype(np.int32), which
+
+    def held_dofs(self, axis: int, pairs: NDArray[np.int64]) -> fem.DirichletBC:
+        """Hold a displacement component at places; see `displacement_dofs`."""
+        dofs, _ = self.displacement_dofs(axis, pairs)
+        space = self.component(axis)
+        return fem.dirichletbc(default_scalar_type(0), np.unique(dofs), space)
 
     def displacement_norm(self, change: NDArray[np.float64]) -> float:
         """Return the Euclidean norm of the displacement dofs of a change of state, m.

@@ -435,6 +435,8 @@ class Newton:
         with self.stopwatch.time_assembly():
             fem_petsc.assemble_vector(r, self.solid.residual)
         r.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+        if not self.solid.nodal.is_idle:
+            r.array[:] += self.solid.nodal.gradient(self.solid.unknown.x.array)
         for condition in self.held:
             dofs, owned = condition.dof_indices()
             r.array[dofs[:owned]] = 0.0
@@ -446,9 +448,19 @@ class Newton:
         with self.stopwatch.time_assembly():
             fem_petsc.assemble_matrix(matrix, self.solid.tangent.form, self.held)
             matrix.assemble()
+        self._add_springs(matrix)
         if self._viscosity is not None:
             part = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
             matrix.axpy(self._viscosity.k, self._viscosity.mass.petsc, part)
+
+    def _add_springs(self, matrix: PETSc.Mat) -> None:
+        """Add the springs' stiffness to the diagonal of a tangent, but for that of held dofs."""
+        stiffness = self.solid.nodal.stiffness.copy()
+        held = self.held_dofs
+        stiffness[held[held < len(stiffness)]] = 0.0
+        if self.layout.comm.allreduce(bool(stiffness.any()), op=MPI.LOR):
+            with self.layout.vectors(stiffness) as (diagonal,):
+                matrix.setDiagonal(diagonal, PETSc.InsertMode.ADD_VALUES)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from verification import solid_derivatives, solid_discs, solid_states, solid_strips
+from bilayer import solve
+from verification import (
+    clamped_plate,
+    inflated_membrane,
+    solid_derivatives,
+    solid_discs,
+    solid_states,
+    solid_strips,
+)
 from verification.laws import LAW_CASES, STRETCHES, law_checks
 from verification.rung import Check, Rung
 
@@ -127,6 +135,23 @@ def energies() -> Iterator[Check]:
     yield Check("paper's specimen, 12 mm mesh, 1.03: two ranks and one (m)", apart, 0.0, 1e-9, 1.0)
 
 
+def clamped_plate_under_pressure() -> Iterator[Check]:
+    result = solve(clamped_plate.plate_specimen(2.5e-3), "fenics")
+    yield from clamped_plate.checks(result, "2.5 mm", 0.01)
+
+
+def membrane() -> Iterator[Check]:
+    shell = solve(inflated_membrane.membrane_specimen(1e-3), "dshell")
+    for size, tolerance in ((4e-3, None), (2e-3, 0.01)):
+        result = solve(inflated_membrane.membrane_specimen(size), "fenics")
+        case = f"{1e3 * size:g} mm"
+        yield from inflated_membrane.checks(result, case, tolerance)
+        rises = zip(*map(inflated_membrane.rises, (result, shell)), strict=True)
+        for pressure, pair in zip(inflated_membrane.PRESSURES, rises, strict=True):
+            judged = tolerance if pressure > 100 else None
+            yield Check(f"{case}, {pressure:g} Pa: rise, the shell's (m)", *pair, judged)
+
+
 SOLID = "fenics solid"
 
 FENICS_RUNGS = (
@@ -193,6 +218,16 @@ FENICS_RUNGS = (
         "Relative differences from central differences of fourth order, in a state of finite "
         "strain; relative changes by a rigid motion; largest distance of two shapes.",
         energies,
+    ),
+    Rung(
+        17, SOLID, "Clamped circular plate under a follower pressure",
+        clamped_plate.WORDS,
+        clamped_plate_under_pressure,
+    ),
+    Rung(
+        19, SOLID, "Inflated circular membrane",
+        inflated_membrane.WORDS + " Its rise against that of the shell on a mesh of 1 mm.",
+        membrane,
     ),
     Rung(
         24, SOLID, "Homogeneous states of every law",

@@ -25,6 +25,7 @@ from verification import (
     derivatives,
     flowers,
     hinge_lattice,
+    inflated_membrane,
     plates,
     shell_states,
 )
@@ -281,6 +282,11 @@ def clamped_plate_under_pressure() -> Iterator[Check]:
         yield from clamped_plate.checks(result, f"{1e3 * size:g} mm", tolerance)
 
 
+def inflated_pole() -> Iterator[Check]:
+    result = solve(inflated_membrane.membrane_specimen(1e-3), "dshell")
+    yield from inflated_membrane.checks(result, "1 mm", 0.01)
+
+
 def strip_pushed_through() -> Iterator[Check]:
     result = solve(buckled_strip.specimen(2e-3), "dshell")
     yield from buckled_strip.checks(result, "2 mm", 0.02)
@@ -460,6 +466,11 @@ LONG_RUNGS = (
         17, MORLEY, "Clamped circular plate under a follower pressure",
         clamped_plate.WORDS,
         clamped_plate_under_pressure,
+    ),
+    Rung(
+        19, MORLEY, "Inflated circular membrane",
+        inflated_membrane.WORDS,
+        inflated_pole,
     ),
     Rung(
         17, MORLEY, "Buckled strip pushed through its limit points",

@@ -17,6 +17,7 @@ from bilayer import (
     Load,
     Part,
     Prestretch,
+    Support,
     follow,
     generate_mesh,
     parse_specimen,
@@ -150,6 +151,16 @@ def test_a_load_may_come_after_the_release_and_go_again(coarse_specimen, coarse_
     points = list(follow(loaded, "dshell", mesh=coarse_mesh))
     found = {point.milestone: point.responses["press"] for point in points}
     assert found[(1.06, 1.06, -2e-3)] < found[(1.06, 1.06, 0.0)]
+
+
+def test_a_bilayer_is_clamped_where_its_flat_reference_surface_is(coarse_specimen, coarse_mesh):
+    rim = Support("rim", "clamped", Part("rim"))
+    held = replace(coarse_specimen.with_milestones([1.0, 1.06]), supports=(rim,))
+    result = solve(held, "dshell", mesh=coarse_mesh)
+    flat = result.reference_position.values
+    on_rim = coarse_mesh.rim_nodes
+    assert np.abs(result.position.values[0] - flat).max() < 1e-9
+    assert np.abs(result.position.values[1][on_rim] - flat[on_rim]).max() < 1e-4
 
 
 def test_models_that_know_no_supports_say_so():
