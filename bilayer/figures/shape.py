@@ -48,7 +48,7 @@ CUT_OFF = 0.005
 NO_VALUE = "#DDDDDD"
 """Of faces where a field has no number."""
 TRIAD = 1 / 8
-"""Length of the axes drawn in an oblique view, at most, over the width of what is shown."""
+"""Length of the axes drawn in an oblique view, about, over the width of what is shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,16 +292,16 @@ def _draw_shape(axes: Axes, shape: Shape, paint: Paint, view: View, frame: Array
     )
 
 
-def round_length(longest: float) -> float:
-    """Return the largest length of 1, 2 or 5 times a power of ten that is not longer.
+def round_length(about: float) -> float:
+    """Return the nearest length of 1, 2 or 5 times a power of ten, by ratio.
 
     Examples
     --------
-    >>> [round_length(longest) for longest in (10.6, 4.9, 0.3)]
-    [10.0, 2.0, 0.2]
+    >>> [round_length(about) for about in (10.6, 4.9, 8.0, 0.3)]
+    [10.0, 5.0, 10.0, 0.2]
     """
-    power = 10.0 ** math.floor(math.log10(longest) + 1e-9)
-    return max(k * power for k in (1, 2, 5) if k * power <= longest * (1 + 1e-9))
+    power = 10.0 ** math.floor(math.log10(about))
+    return min((k * power for k in (1, 2, 5, 10)), key=lambda length: abs(math.log(length / about)))
 
 
 def _label_axes(panels: NDArray[Any], shown: int) -> None:
