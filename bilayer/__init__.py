@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from bilayer.figures.animation import save_animation
     from bilayer.fitting.fit import fit
     from bilayer.fitting.measurement import Measurement, read_measurement
+    from bilayer.landscape.barrier import barrier
     from bilayer.landscape.search import states
     from bilayer.mesh.generation import generate_mesh
     from bilayer.mesh.planar import PlanarMesh
@@ -112,6 +113,7 @@ _MODULES = {
     "bilayer.figures.animation": ("save_animation",),
     "bilayer.fitting.fit": ("fit",),
     "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
+    "bilayer.landscape.barrier": ("barrier",),
     "bilayer.landscape.search": ("states",),
     "bilayer.mesh.generation": ("generate_mesh",),
     "bilayer.mesh.planar": ("PlanarMesh",),

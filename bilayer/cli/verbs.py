@@ -16,6 +16,7 @@ VERBS = {
     "fit": "find the constants of a law from tests of a material",
     "solve": "compute the released shapes; write them as NetCDF",
     "states": "find the stable shapes at one prestretch, and say how sure that is",
+    "barrier": "find the way of least energy between two stable shapes",
     "compare": "compare two results on the same planar mesh",
     "settings": "list the models of the solvers, or the settings of one",
     "plot": "draw isometric and bird's-eye views per prestretch",

@@ -322,6 +322,31 @@ class OpenPath(Protocol):
         """
 
 
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """The way from one shape to another over the pass between them.
+
+    Parameters
+    ----------
+    positions : (k, n, 3) array of float
+        Shapes along the way, both ends included, m.
+    energies : (k,) array of float
+        Of each, J.
+    lengths : (k,) array of float
+        Distance from the first along the way, rms of the nodes' displacements, m.
+    saddle : Equilibrium or None
+        The equilibrium near the highest of them; None if Newton's method found none.
+    sides : sequence of Equilibrium
+        What lies downhill of it to either side, stable.
+    """
+
+    positions: Array
+    energies: Array
+    lengths: Array
+    saddle: Any
+    sides: Sequence[Any]
+
+
 class StateFinder(Protocol):
     """A specimen at one prestretch, whose stable shapes are looked for.
 
@@ -359,6 +384,33 @@ class StateFinder(Protocol):
         """Return the least eigenvalues of the stiffness over the flat area, N/m3, ascending.
 
         The pressure per displacement in the shape of each mode. Rigid motions are left out.
+        """
+
+    def find_pass(
+        self,
+        first: Array,
+        second: Array,
+        images: int,
+        rounds: int,
+        tell: Callable[[int], None] | None = None,
+    ) -> Pass:
+        """Return the way over the lowest pass between two stable shapes.
+
+        Parameters
+        ----------
+        first, second : (n, 3) array of float
+            The shapes, one laid onto the other.
+        images : int
+            States along the way, without its ends.
+        rounds : int
+            Of their relaxation.
+        tell : callable, optional
+            Told of each round.
+
+        Raises
+        ------
+        ComputationError
+            One of the shapes is near no equilibrium.
         """
 
 

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from bilayer.errors import INTERRUPTED
-from bilayer.results.schema import result_mesh, result_specimen
+from bilayer.errors import INTERRUPTED, InputError
+from bilayer.results.schema import TIMES_FOUND, result_mesh, result_specimen
 from bilayer.results.starting import ANOTHER_RESULT, FLAT_START
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
@@ -69,6 +69,11 @@ def rerun(
     InputError
         No solver of ours made it, or its settings are unknown to this version, or not plain.
     """
+    if TIMES_FOUND in result:
+        raise InputError(
+            "result: has the states of a search, expected one of `solve`; `bilayer states` with "
+            "the same specimen and settings searches again"
+        )
     settings = result_settings(result)
     if not trust:
         check_plain(settings)

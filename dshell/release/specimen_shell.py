@@ -301,7 +301,7 @@ class SpecimenShell:
             shape = shape + self._flat_level(milestone)
         surface = reference_surface_over(shape, mesh.triangles, mesh.areas, depth)
         if not self.specimen.supports:
-            surface = move_onto_held_points(surface, mesh.points, self._held_nodes)
+            surface = self.move_to_held(surface)
         state = self._state_of(surface)
         state[self.held] = self.flat(milestone)[self.held]
         return state
@@ -310,6 +310,10 @@ class SpecimenShell:
         """Return the way from the model's flat surface to the reference surface, m."""
         height = np.asarray(self.model.reference_height(stretch_of(milestone)))
         return np.multiply.outer(height, np.array([0.0, 0.0, 1.0]))
+
+    def move_to_held(self, surface: Array) -> Array:
+        """Return the nodes of the model's surface after the rigid motion to where it is held."""
+        return move_onto_held_points(surface, self.mesh.points, self._held_nodes)
 
     def _state_of(self, nodes: Array) -> Array:
         """Return the state of nodes at (n, 3), m, with every other entry as it is flat."""

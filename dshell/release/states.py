@@ -1,13 +1,17 @@
 """The shell as a finder of stable shapes; see `bilayer.solvers.contract.StateFinder`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from bilayer.errors import ComputationError
+from bilayer.geometry.alignment import align
+from bilayer.geometry.shape_between import ShapesBetween
 from bilayer.mesh.planar import flat_surface
+from bilayer.solvers.contract import Pass
 from bilayer.specimen.load import Milestone
 from bilayer.specimen.prestretch import StretchPair
 from dshell.release.effort import ShellEffort
@@ -16,6 +20,8 @@ from dshell.release.specimen_shell import SpecimenShell
 from dshell.release.static import ShellState, StaticPath
 from dshell.solve.deflation import ShapeDeflation
 from dshell.solve.newton import EquilibriumSolver, Outcome
+from dshell.solve.saddle import find_saddle
+from dshell.solve.string import StringOfStates, StringSearch, between_neighbours
 
 Array = NDArray[np.float64]
 
@@ -26,6 +32,15 @@ DEFLATED_STEP = 0.1
 """Of a deflated Newton step, largest change of a coordinate over the characteristic length."""
 REPULSION = 0.5
 """Distance over the characteristic length within which a known shape repels."""
+STRING_STEP = 0.1
+"""Of the states of a string, largest change of a coordinate over the characteristic length."""
+CLOSER = 2
+"""Times that a string is made shorter, about its highest state, until a pass is found."""
+SADDLE_ITERATIONS = 40
+SADDLE_STEP = 0.02
+"""Of Newton's method at a pass, largest change of a coordinate over the characteristic length."""
+ASIDE = 0.01
+"""Height of the waves that keep a string from being symmetric, over the same length."""
 MOST_MODES = 4
 """Unstable modes of one equilibrium that are followed, those nearest to 0."""
 
@@ -100,6 +115,95 @@ class ShellStateFinder:
             return np.full(count, np.nan)
         return np.sort(values)
 
+    def find_pass(
+        self,
+        first: Array,
+        second: Array,
+        images: int,
+        rounds: int,
+        tell: Callable[[int], None] | None = None,
+    ) -> Pass:
+        """Return the way over the lowest pass between two shapes; see `StateFinder`."""
+        length = self._shell.specimen.characteristic_length
+        start, end = self._settled_state(first), self._settled_state(second)
+        weights = np.zeros(len(start))
+        weights[: 3 * len(self.mesh.points)] = np.repeat(self._weights, 3)
+        search = StringSearch(
+            self._solver, self._body, weights, STRING_STEP * length, self._lay_onto
+        )
+        string = search.relax(self._chain(start, end, images), rounds, tell)
+        near, saddle = string, self._saddle_near(string)
+        for _ in range(CLOSER):
+            if saddle is not None and saddle.unstable_modes == 1:
+                break
+            near = search.relax(between_neighbours(near), rounds)
+            saddle = self._saddle_near(near) or saddle
+        sides = () if saddle is None else tuple(self._sides_of(saddle))
+        positions = [self._shell.position(self._stretch, state) for state in string.states]
+        return Pass(np.stack(positions), string.energies, string.lengths, saddle, sides)
+
+    def _saddle_near(self, string: StringOfStates) -> ShellEquilibrium | None:
+        """Return the unstable equilibrium at the top of a string, None if Newton finds none."""
+        length = self._shell.specimen.characteristic_length
+        limits = replace(
+            self._limits, iterations=SADDLE_ITERATIONS, longest_step=SADDLE_STEP * length
+        )
+        highest = self._held_again(string.states[string.top])
+        found = find_saddle(self._solver, self._body, highest, limits)
+        if not found.converged:
+            return None
+        modes = self._solver.unstable_modes(self._body, found.state)
+        return self._equilibrium(found, modes) if modes else None
+
+    def _sides_of(self, saddle: ShellEquilibrium) -> Iterator[ShellEquilibrium]:
+        """Yield what lies downhill of a saddle, to both sides of its first unstable mode."""
+        here = self._solver.configure(self._body, saddle.state)
+        (away,) = self._solver.unstable_directions(self._body, saddle.state, 1)
+        for side in (1.0, -1.0):
+            pushed = here.pushed(side * self._shell.escape * away)
+            yield from self._stable_from(self._downhill(pushed.state), MOST_MODES)
+
+    def _settled_state(self, shape: Array) -> Array:
+        found = self._downhill(self._shell.state_near(shape, self._stretch))
+        if not found.converged:
+            raise ComputationError("an end of the way is no equilibrium of the shell")
+        return found.state
+
+    def _chain(self, first: Array, second: Array, images: int) -> Array:
+        """Return states between two, a little beside the straight way so that none is symmetric."""
+        shares = np.linspace(0, 1, images + 2)[:, None]
+        second = self._lay_onto(second, first)
+        states = first + shares * (second - first)
+        between = ShapesBetween(
+            self._shell.surface(first), self._shell.surface(second), self.mesh.triangles
+        )
+        count = 3 * len(self.mesh.points)
+        for place in range(1, images + 1):
+            states[place, :count] = between.at(float(shares[place, 0])).reshape(-1)
+        points = self.mesh.points / np.abs(self.mesh.points).max()
+        rng = np.random.default_rng(0)
+        waves = sum(
+            rng.normal() * np.cos(points @ rng.normal(size=2) * 3 + rng.uniform(0, 6))
+            for _ in range(6)
+        )
+        aside = ASIDE * self._shell.specimen.characteristic_length * np.asarray(waves)
+        states[:, 2:count:3] += np.sin(np.pi * shares) * aside
+        return np.asarray(states)
+
+    def _lay_onto(self, state: Array, other: Array) -> Array:
+        """Return a state after the rigid motion that brings it nearest to another."""
+        if self._shell.specimen.is_placed:
+            return state
+        points, onto = self._shell.surface(state), self._shell.surface(other)
+        laid = state.copy()
+        laid[: points.size] = align(points, onto, self._weights).reshape(-1)
+        return laid
+
+    def _held_again(self, state: Array) -> Array:
+        """Return a state that was moved rigidly where the held nodes are."""
+        held = self._shell.move_to_held(self._shell.surface(state))
+        return np.concatenate([held.reshape(-1), state[held.size :]])
+
     def _areas_beyond_rigid(self, state: Array) -> LinearOperator:
         """Return the map from free dofs to areas times displacements, their rigid part taken out.
 
@@ -147,10 +251,10 @@ class ShellStateFinder:
                 pushed = here.pushed(side * self._shell.escape * away)
                 yield from self._stable_from(self._downhill(pushed.state), modes // 2)
 
-    def _equilibrium(self, found: Outcome) -> ShellEquilibrium:
+    def _equilibrium(self, found: Outcome, modes: int = 0) -> ShellEquilibrium:
         residual = found.residual / self._limits.tolerance
         state = ShellState(
-            self._stretch, found.state, residual, 0, 1.0, ShellEffort(found.iterations, 1)
+            self._stretch, found.state, residual, modes, 1.0, ShellEffort(found.iterations, 1)
         )
         return ShellEquilibrium(self._shell, self._solver, state, "a guess")
 

@@ -430,7 +430,7 @@ class EquilibriumSolver:
 
     def _iterate(self, here: Configuration, limits: NewtonLimits) -> Configuration:
         """Return the body after one iteration."""
-        return self._descend(here, self._factor_downhill(here), limits)
+        return self._descend(here, self.factor_downhill(here), limits)
 
     def _descend(self, here: Configuration, factor: Factor, limits: NewtonLimits) -> Configuration:
         """Return the body after one step.
@@ -496,7 +496,14 @@ class EquilibriumSolver:
         step[self.assembly.free] = -factor.solve(residual)
         return step
 
-    def _factor_downhill(self, here: Configuration) -> Factor:
+    def factor_downhill(self, here: Configuration) -> Factor:
+        """Return the exact Hessian, or a relative whose steps go downhill, factorised.
+
+        Raises
+        ------
+        NoDescentError
+            Round-off hides the convex relative.
+        """
         hessian = here.hessian()
         try:
             return self._linear.cholesky(hessian)

@@ -5,16 +5,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import bilayer
 from bilayer import ComputationError, InputError, MorleySettings, PaperSettings
 from bilayer.errors import Interrupted
+from bilayer.landscape.barrier import describe_barrier
 from bilayer.landscape.catalogue import Catalogue
 from bilayer.landscape.report import describe_search, states_table
 from bilayer.landscape.starts import Sheet
 from bilayer.landscape.symmetry import Images, symmetry_of
 from bilayer.results.released_shapes import released_shapes
 from bilayer.results.schema import result_mesh
+from bilayer.solvers.rerun import rerun
 from dshell.solve.deflation import ShapeDeflation
 from dshell.solver import SOLVER
 
@@ -45,11 +48,16 @@ def total(equilibrium):
     return sum(equilibrium.energy.values())
 
 
-def test_a_trilayer_has_both_mirror_states_of_one_energy():
-    thin = bilayer.read_specimen(EXAMPLES / "trilayer_lotus.toml", ["mesh.size=4 mm"])
+@pytest.fixture(scope="module")
+def thin():
+    """A trilayer of two mirror states."""
+    sheet = bilayer.read_specimen(EXAMPLES / "trilayer_lotus.toml", ["mesh.size=4 mm"])
     for name in ("lower", "upper"):
-        thin = thin.with_layer(name, thickness=0.25e-3)
-    thin = thin.with_milestones([1.2])
+        sheet = sheet.with_layer(name, thickness=0.25e-3)
+    return sheet.with_milestones([1.2])
+
+
+def test_a_trilayer_has_both_mirror_states_of_one_energy(thin):
     finder = finder_of(thin)
     dome = Sheet(finder.mesh, thin.characteristic_length).dome(1.2)
     (up,) = finder.settle(dome)
@@ -187,3 +195,39 @@ def test_the_command_prints_its_states(bilayer_command, tmp_path, specimen):
     )
     assert bad.returncode == 2
     assert "--start-state 3: expected a number from 0 to 0" in bad.stderr
+
+
+@pytest.fixture(scope="module")
+def way(thin):
+    """The way from one mirror state to the other, both in one dataset."""
+    both = bilayer.states(thin, starts=1)
+    turned = both.assign(position=both["position"] * xr.DataArray([1.0, 1.0, -1.0], dims="xyz"))
+    pair = xr.concat([both, turned], "prestretch", data_vars="minimal", join="override")
+    stretched = thin.with_milestones([1.2, 1.2])
+    pair = pair.assign_attrs(specimen=bilayer.specimen_to_toml(stretched))
+    return bilayer.barrier(pair, 0, 1, images=9, rounds=8)
+
+
+def test_between_mirror_states_there_is_a_pass_as_high_from_both(way):
+    up, back = way.attrs["barrier"], way.attrs["barrier_back"]
+    assert up == pytest.approx(back, rel=1e-5) and up > 0
+    assert way.attrs["saddle_modes"] == 1
+    assert sorted(way.attrs["saddle_leads_to"].tolist()) == [0, 1]
+    energy = way["energy"].sum("term").values
+    assert energy.max() == pytest.approx(energy[0] + up)  # the saddle is in its place
+    assert (np.diff(way["way_length"]) > 0).all()
+    assert way["unstable_modes"].values.max() == 1
+
+
+def test_the_barrier_is_told(way, thin):
+    text = describe_barrier(way, 0, 1)
+    assert "over a saddle with 1 unstable mode, down to state" in text
+    none = way.assign_attrs(saddle_modes=-1)
+    assert "NO SADDLE" in describe_barrier(none, 0, 1)
+    with pytest.raises(InputError, match="second = 99: expected a state from 0 to"):
+        bilayer.barrier(way, 0, 99)
+
+
+def test_states_of_a_search_are_not_computed_again(found):
+    with pytest.raises(InputError, match="has the states of a search"):
+        rerun(found[0])
