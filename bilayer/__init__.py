@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from bilayer.solvers.between import solve_between
     from bilayer.solvers.fields import fields
     from bilayer.solvers.registry import follow, solve
+    from bilayer.solvers.scan_fit import fit_to_scan
     from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.load import Load
     from bilayer.specimen.materials import (
@@ -130,6 +131,7 @@ _MODULES = {
     "bilayer.solvers.between": ("solve_between",),
     "bilayer.solvers.fields": ("fields",),
     "bilayer.solvers.registry": ("follow", "solve"),
+    "bilayer.solvers.scan_fit": ("fit_to_scan",),
     "bilayer.specimen.materials": (
         "ArrudaBoyce",
         "Gent",

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from bilayer.cli.outputs import check_output
-from bilayer.cli.parser import add_json_argument, add_verb
+from bilayer.cli.parser import add_json_argument, add_trust_argument, add_verb
+from bilayer.errors import InputError
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
 from bilayer.results.records import comparison_record
@@ -24,6 +25,12 @@ def add(verbs: Any) -> None:
         "other", metavar="OTHER", help="another result (.nc), or a scan (.stl .ply .obj .csv ...)"
     )
     verb.add_argument("--unit", default="mm", help="of a scan's coordinates (default: mm)")
+    verb.add_argument(
+        "--fit", metavar="PARAMETER",
+        help="also find the value with which the shape fits a scan best: prestretch, "
+        "substrate.thickness, kirigami.material.c10, ...",
+    )  # fmt: skip
+    add_trust_argument(verb)
     verb.add_argument("-o", "--output", metavar="FIGURE", help="also draw the comparison")
     add_json_argument(verb)
 
@@ -36,6 +43,8 @@ def run(options: argparse.Namespace) -> int:
     check_output(options, check_figure_output)
     if Path(options.other).suffix.lower() != ".nc":
         return _compare_scan(options)
+    if options.fit is not None:
+        raise InputError(f"--fit {options.fit}: fits a scan, expected no second result")
     first, second = (open_result(path) for path in (options.result, options.other))
     comparison = compare(first, second)
     if comparison.attrs["first"] == comparison.attrs["second"]:  # the files tell them apart
@@ -55,14 +64,23 @@ def _compare_scan(options: argparse.Namespace) -> int:
     from bilayer.figures.scan import draw_scan
     from bilayer.scan.cloud import read_cloud
     from bilayer.scan.comparison import best_match, compare_scan, scan_record, scan_table
+    from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
 
     unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
     result, cloud = open_result(options.result), read_cloud(options.other, unit)
     matches = compare_scan(result, cloud)
+    best = matches[best_match(matches)]
+    record: dict[str, Any] = scan_record(matches)
+    text = scan_table(matches)
+    if options.fit is not None:
+        found = fit_to_scan(result, cloud, options.fit, trust=options.trust)
+        best = found.match
+        record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": best.rms}
+        text += f"\n\n{scan_fit_report(found)}"
     if options.json:
-        say_json(scan_record(matches))
+        say_json(record)
     elif not options.quiet:
-        say(scan_table(matches))
+        say(text)
     if options.output is not None:
-        save_figure(draw_scan(cloud, matches[best_match(matches)]), options.output)
+        save_figure(draw_scan(cloud, best), options.output)
     return 0

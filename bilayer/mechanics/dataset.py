@@ -21,6 +21,7 @@ from bilayer.mechanics.layer_state import LEVELS, LayerState
 from bilayer.mechanics.stress import cauchy_stress, green_strain
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.milestones import along_milestones
+from bilayer.results.other_mesh import positions_on
 from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.prestretch import StretchPair
@@ -74,8 +75,8 @@ def shape_fields(result: xr.Dataset, other: xr.Dataset | None = None) -> xr.Data
     result : Dataset
         See `bilayer.results.schema`.
     other : Dataset, optional
-        Another result on the same mesh: the distance to it is a field, at the milestones that both
-        have, each shape of it laid onto that of the first.
+        Another result of the same flat sheet: the distance to it is a field, at the milestones that
+        both have, each shape of it laid onto that of the first.
 
     Returns
     -------
@@ -110,10 +111,9 @@ def layer_fields(result: xr.Dataset, states: Sequence[Sequence[LayerState] | Non
     """
     result = along_milestones(result)
     specimen, faces = result_specimen(result), result.sizes["face"]
-    pairs = zip(result["prestretch_x"].values, result["prestretch_y"].values, strict=True)
     rows = [
-        _layer_row(specimen, faces, (float(x), float(y)), state)
-        for (x, y), state in zip(pairs, states, strict=True)
+        _layer_row(specimen, faces, pair, state)
+        for pair, state in zip(_pairs(result), states, strict=True)
     ]
     return _dataset(result, _variables(LAYER_FIELDS, rows, "face"))
 
@@ -167,10 +167,8 @@ def _shape_row(mesh: PlanarMesh, position: Array) -> dict[str, Array]:
 
 def _prestretch_variable(specimen: Specimen, result: xr.Dataset) -> Any:
     """Return the stretch of each layer when bonded, (prestretch, sheet_layer, component)."""
-    pairs = zip(result["prestretch_x"].values, result["prestretch_y"].values, strict=True)
     tensors = [
-        [isochoric(layer) for layer in specimen.bonded_layers((float(x), float(y)))]
-        for x, y in pairs
+        [isochoric(layer) for layer in specimen.bonded_layers(pair)] for pair in _pairs(result)
     ]
     text = "stretch of the layer from its natural state to the flat bonded one, the volume kept"
     dims = ("prestretch", "sheet_layer", "component")
@@ -178,24 +176,25 @@ def _prestretch_variable(specimen: Specimen, result: xr.Dataset) -> Any:
 
 
 def _distance_variable(mesh: PlanarMesh, result: xr.Dataset, other: xr.Dataset) -> Any:
+    """Return the distance at the nodes from the same places of another result."""
     weights, found = flat_surface(mesh).node_areas, np.full(result["position"].shape[:2], np.nan)
-    places = {
-        (float(x), float(y)): k
-        for k, (x, y) in enumerate(zip(other["prestretch_x"], other["prestretch_y"], strict=True))
-    }
-    same = result_mesh(other).same_as(mesh)
-    for row, milestone in enumerate(
-        zip(result["prestretch_x"], result["prestretch_y"], strict=True)
-    ):
-        place = places.get((float(milestone[0]), float(milestone[1])))
-        if place is None or not same:
+    places = {pair: k for k, pair in enumerate(_pairs(other))}
+    shapes = positions_on(mesh, result_mesh(other), other["position"].values)
+    for row, pair in enumerate(_pairs(result)):
+        place = places.get(pair)
+        if place is None:
             continue
-        own, its = result["position"].values[row], other["position"].values[place]
+        own, its = result["position"].values[row], shapes[place]
         if np.isfinite(own).all() and np.isfinite(its).all():
             found[row] = np.linalg.norm(align(its, own, weights) - own, axis=1)
     on = {"mesh": "midsurface", "location": "node"}
-    text = "distance from the same node of another result, laid onto this one"
+    text = "distance from the same place of another result, laid onto this one"
     return ("prestretch", "node"), found, {"units": "m", "long_name": text, **on}
+
+
+def _pairs(result: xr.Dataset) -> list[StretchPair]:
+    both = zip(result["prestretch_x"].values, result["prestretch_y"].values, strict=True)
+    return [(float(x), float(y)) for x, y in both]
 
 
 def isochoric(layer: BondedLayer) -> Array:

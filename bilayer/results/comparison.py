@@ -1,7 +1,9 @@
-"""Two results on the same planar mesh, milestone by milestone.
+"""Two results of a specimen, milestone by milestone.
 
 The rms distance is taken over the nodes of the reference surface, by their flat lumped areas, after
-the rigid motion that makes it least. Everything else is each result's own measure, side by side.
+the rigid motion that makes it least. A second result on another planar mesh is taken at the nodes
+of the first (`bilayer.results.other_mesh`). Everything else is each result's own measure, side by
+side.
 """
 
 from dataclasses import fields, is_dataclass, replace
@@ -17,6 +19,7 @@ from bilayer.geometry.alignment import rms_distance
 from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.milestones import along_milestones
+from bilayer.results.other_mesh import positions_on
 from bilayer.results.schema import SAME_STRETCH, result_mesh, result_specimen
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.runtime.terminal import one_line
@@ -40,7 +43,7 @@ def result_label(result: xr.Dataset) -> str:
 
 
 def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
-    """Compare two results of the same specimen on the same planar mesh.
+    """Compare two results of the same specimen, best on the same planar mesh.
 
     Parameters
     ----------
@@ -53,13 +56,13 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
         Over the milestones that both have: `rms_distance` in m and `rms_distance_over_radius`,
         NaN if one of them was not reached, and, over the dimension `result`, the measures of
         each, with `unstable` and `touches_itself`. Attributes `first` and `second` are their
-        labels.
+        labels; `meshes` says if their meshes differ.
 
     Raises
     ------
     InputError
-        The specimens differ other than in name, mesh size and milestones, the meshes differ, or
-        no milestone is common.
+        The specimens differ other than in name, mesh size and milestones, or no milestone is
+        common.
 
     Examples
     --------
@@ -75,11 +78,11 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     """
     first, second = along_milestones(first), along_milestones(second)
     _check_same_specimen(result_specimen(first), result_specimen(second))
-    mesh = result_mesh(first)
-    _check_same_mesh(mesh, result_mesh(second))
+    mesh, other = result_mesh(first), result_mesh(second)
     here, there = _common_milestones(first, second)
     pair = [first.isel(prestretch=here), second.isel(prestretch=there)]
-    distance = _distances(mesh, *(result["position"].values for result in pair))
+    shapes = [result["position"].values for result in pair]
+    distance = _distances(mesh, shapes[0], positions_on(mesh, other, shapes[1]))
     measures = [_measures(result) for result in pair]
     compared = xr.concat(measures, dim="result", join="override").assign(
         rms_distance=("prestretch", distance, {"units": "m", "long_name": "rms distance"}),
@@ -93,6 +96,11 @@ def compare(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
         ),
     )
     compared.attrs = {"first": result_label(first), "second": result_label(second)}
+    if not mesh.same_as(other):
+        compared.attrs["meshes"] = (
+            f"meshes of {len(mesh.triangles)} and {len(other.triangles)} triangles: the second "
+            "result is interpolated at the nodes of the first"
+        )
     return compared
 
 
@@ -131,6 +139,8 @@ def comparison_table(comparison: xr.Dataset) -> str:
                     for found, there in zip(result[name].values, reached, strict=True)
                 ]
     heading = one_line(f"a: {comparison.attrs['first']}    b: {comparison.attrs['second']}")
+    if "meshes" in comparison.attrs:
+        heading += f"\n{one_line(comparison.attrs['meshes'])}"
     return f"{heading}\n{pd.DataFrame(columns).to_string(index=False)}"
 
 
@@ -168,15 +178,6 @@ def _parts(value: Any) -> dict[str, Any]:
     if isinstance(value, tuple) and all(isinstance(part, Layer) for part in value):
         return {layer.name: layer for layer in value}
     return {}
-
-
-def _check_same_mesh(first: PlanarMesh, second: PlanarMesh) -> None:
-    if not first.same_as(second):
-        raise InputError(
-            f"the planar meshes differ ({len(first.triangles)} triangles in the first result, "
-            f"{len(second.triangles)} in the second): expected results on the same mesh, as by "
-            "solve --mesh FILE.nc with the other result's file"
-        )
 
 
 def _common_milestones(

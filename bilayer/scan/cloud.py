@@ -60,7 +60,8 @@ def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
     ----------
     path : path-like
         A triangulated surface (STL, PLY, OBJ, OFF, VTK), or a table of x, y, z with or without a
-        line of names (CSV, XYZ).
+        line of names (CSV, XYZ), such as a height map. Its points without a height ("nan", or
+        nothing in the third column) are left out.
     unit : float
         One unit of its coordinates, m; most are in mm.
 
@@ -97,12 +98,15 @@ def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
 def _table(path: Path) -> Array:
     """Return the first three columns of a table of numbers, shape (n, 3)."""
     lines = read_text(path, "scan", largest=LARGEST_TABLE).splitlines()
+    lines = [f"{line}nan" if line.rstrip().endswith((",", ";")) else line for line in lines]
     rows = [line.replace(";", " ").replace(",", " ").split() for line in lines]
     rows = [row for row in rows if row and not row[0].startswith("#")]
     if rows and not _is_number(rows[0][0]):
         rows = rows[1:]
     try:
-        return np.array([[float(value) for value in row[:3]] for row in rows], dtype=np.float64)
+        full = [[float(value) for value in row[:3]] for row in rows]
+        points = np.array(full, dtype=np.float64)
+        return points[~np.isnan(points[:, -1])] if points.ndim == 2 else points
     except ValueError as error:
         raise InputError(f"scan {path}: expected x, y and z on each line ({error})") from error
 

@@ -13,7 +13,7 @@ from bilayer.results.milestones import along_milestones
 from bilayer.results.released_shapes import MM_PER_M, released_shapes
 from bilayer.results.schema import result_mesh
 from bilayer.scan.cloud import Cloud
-from bilayer.scan.placing import Motion, outlier_limit, placed
+from bilayer.scan.placing import Motion, outlier_limit, placed, refined
 from bilayer.scan.samples import Samples, at_most, even_samples
 
 Array = NDArray[np.float64]
@@ -123,6 +123,24 @@ def compare_scan(result: xr.Dataset, scan: Cloud) -> list[ScanMatch]:
     fitting = matches[best]
     matches[best] = _laid(fitting.title, surfaces[best], scan.points, fitting.motion)
     return matches
+
+
+def match_near(result: xr.Dataset, scan: Cloud, motion: Motion) -> ScanMatch:
+    """Lay a scan onto the only shape of a result, from a motion that nearly does so.
+
+    Parameters
+    ----------
+    result : Dataset
+        With one milestone, that has a shape.
+    scan : Cloud
+        Of the part.
+    motion : Motion
+        What laid it onto a shape that differs by little.
+    """
+    reached = along_milestones(result)
+    (shape,) = released_shapes(reached, result_mesh(reached))
+    surface = even_samples(_in_metres(shape.surface), SAMPLES)
+    return _laid(shape.title, surface, scan.points, refined(motion, scan.points, surface))
 
 
 def best_match(matches: list[ScanMatch]) -> int:

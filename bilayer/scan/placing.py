@@ -79,6 +79,12 @@ def placed(scan: Array, surface: Samples) -> Motion:
     return _lowest([last, start], many, surface, count=1)[0]  # it may get lost on another shape
 
 
+def refined(motion: Motion, scan: Array, surface: Samples) -> Motion:
+    """Return the motion that lays a scan onto a surface, from one that nearly does so."""
+    many = at_most(FINE, scan)
+    return _refined(motion, many, surface, steps=LONGEST, robust=True)
+
+
 def starts(scan: Array, surface: Samples) -> list[Motion]:
     """Return the motions to start from.
 

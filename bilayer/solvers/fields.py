@@ -46,7 +46,7 @@ def fields(
     result : Dataset
         From `bilayer.solve` or `bilayer.open_result`, whole or some of its milestones.
     other : Dataset, optional
-        Another result on the same planar mesh; `distance_to_other` is the distance to it.
+        Another result of the same sheet; `distance_to_other` is the distance to it.
     layers : bool
         Whether to compute the fields of the layers, too. They take the solver that made the result
         and about a second (shell) or ten (finite elements) a milestone. The models `hinge` and

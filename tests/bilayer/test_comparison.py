@@ -82,12 +82,6 @@ def test_different_specimens_are_refused_by_field(first, change, message):
         compare(first, cap_result(change(small_specimen())))
 
 
-def test_different_meshes_are_refused(first):
-    finer = replace(small_specimen(), mesh=MeshSize(0.008))
-    with pytest.raises(InputError, match=r"planar meshes differ \(\d+ triangles"):
-        compare(first, cap_result(finer))
-
-
 def test_results_without_a_common_milestone_are_refused(first):
     with pytest.raises(InputError, match=r"1\.03, 1\.06, 1\.09 in the first .* 1\.2 in the second"):
         compare(first, cap_result(small_specimen((1.2,))))
