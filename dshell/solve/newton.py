@@ -13,6 +13,7 @@ Each of them updates the factor (BFGS). A correction that would raise the energy
 
 import itertools
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -40,6 +41,9 @@ SUFFICIENT_DECREASE = 1e-4
 SHORTEST_STEP = 1e-8
 CONVEX_SHIFT = 1e-8
 """Of the mean diagonal: keeps a convex relative regular where nothing resists."""
+STIFFENINGS = (1e-3, 1e-1, 10.0)
+"""Of the diagonal of a convex relative, in turn, if no step along Newton's direction lowers the
+energy. The step gets shorter and turns to the residual force, along which the energy falls."""
 FEW_NEGATIVE = 3
 """Negative eigenvalues whose modes are sought: far from an equilibrium there are many."""
 MODE_TOLERANCE = 1e-4
@@ -429,8 +433,14 @@ class EquilibriumSolver:
         return directions / directions[np.arange(count), largest][:, None]
 
     def _iterate(self, here: Configuration, limits: NewtonLimits) -> Configuration:
-        """Return the body after one iteration."""
-        return self._descend(here, self.factor_downhill(here), limits)
+        """Return the body after one iteration, with a stiffer factor if need be."""
+        try:
+            return self._descend(here, self.factor_downhill(here), limits)
+        except NoDescentError:
+            for stiffening in STIFFENINGS:
+                with suppress(NoDescentError):
+                    return self._descend(here, self._factor_convex(here, stiffening), limits)
+            raise
 
     def _descend(self, here: Configuration, factor: Factor, limits: NewtonLimits) -> Configuration:
         """Return the body after one step.
@@ -531,10 +541,10 @@ class EquilibriumSolver:
             pass
         return None
 
-    def _factor_convex(self, here: Configuration) -> Factor:
+    def _factor_convex(self, here: Configuration, stiffening: float = 0.0) -> Factor:
         convex = here.convex_hessian()
         diagonal = convex.diagonal()
-        convex.setdiag(diagonal + CONVEX_SHIFT * diagonal.mean())
+        convex.setdiag((1 + stiffening) * diagonal + CONVEX_SHIFT * diagonal.mean())
         try:
             return self._linear.cholesky(convex)
         except NotPositiveDefiniteError as error:

@@ -39,7 +39,7 @@ class SearchRule:
     same_energy : float
         Branches are as low as each other, such as mirror images, if the energies agree so well.
     landings : int
-        Unstable equilibria that are left by a walk in turn.
+        Unstable equilibria on one side that are left in turn, each along its most unstable mode.
     attempts : int
         Calls of Newton's method at the end of a walk. A soft valley, such as that of a rolled disc
         whose axis is free to turn, takes more than one.
@@ -49,7 +49,7 @@ class SearchRule:
 
     choice: str = "lowest"
     same_energy: float = 1e-9
-    landings: int = 2
+    landings: int = 12
     attempts: int = 3
     walk: WalkRule = field(default_factory=WalkRule)
 
@@ -209,7 +209,9 @@ class BranchSearch:
     def _choose(self, found: Sequence[_Candidate]) -> _Candidate | None:
         if not found:
             return None
-        return _CHOICES[self._rule.choice](_sort_by_energy(found, self._rule.same_energy))
+        stable = [one for one in found if one.branch.unstable_modes <= 0]
+        ascending = _sort_by_energy(stable or found, self._rule.same_energy)
+        return _CHOICES[self._rule.choice](ascending)
 
     def _count_modes(self, factors: Factors) -> int:
         return unstable_modes(factors, self._solid.number_of_pressures)
@@ -226,34 +228,50 @@ class BranchSearch:
         tolerance: float,
         reference: float,
     ) -> _Descent:
-        """Follow a mode down to a stable equilibrium."""
+        """Follow a mode down, and then that of each unstable equilibrium that this leads to.
+
+        The last one is the result if the rule's `landings` do not suffice.
+        """
         self._newton.set_out_from(start)
-        state, effort = start, Effort()
+        descent, state = _Descent(None, -1, Effort()), start
         for _ in range(self._rule.landings):
-            if mode is None:
-                break
-            along = sign * mode.direction
-            walk = ValleyWalk(self._newton, state, along, tolerance, self._rule.walk)
-            walked = walk.descend(self._first_distance)
-            state, effort = walked.state, effort + Effort(walked.iterations)
-            if not walked.arrived:
-                break
-            landed = self._solve_at_end_of_walk(state, tolerance)
-            effort += Effort(landed.iterations)
-            if not landed.converged:
-                break
+            landed, spent = self._land(state, mode, sign, tolerance, reference)
+            effort = descent.effort + spent
+            if landed is None:
+                return replace(descent, effort=effort)
             state = landed.state
             with self._newton.factorise(state) as factors:
                 modes = self._count_modes(factors)
+                descent = _Descent(landed, modes, effort)
                 if modes <= 0:
-                    return _Descent(landed, modes, effort)
+                    break
                 mode = self._find_most_unstable(factors, modes)
+            self._newton.tell(f"{modes} unstable modes, on along the next")
+        return descent
+
+    def _land(
+        self,
+        state: State,
+        mode: BucklingMode | None,
+        sign: float,
+        tolerance: float,
+        reference: float,
+    ) -> tuple[NewtonOutcome | None, Effort]:
+        """Return the equilibrium below a mode, by a walk or a flow, stable or not."""
+        effort = Effort()
+        if mode is not None:
+            walk = ValleyWalk(
+                self._newton, state, sign * mode.direction, tolerance, self._rule.walk
+            )
+            walked = walk.descend(self._first_distance)
+            state, effort = walked.state, Effort(walked.iterations)
+            if walked.arrived:
+                landed = self._solve_at_end_of_walk(state, tolerance)
+                effort += Effort(landed.iterations)
+                if landed.converged:
+                    return landed, effort
         flowed = self.flow.flow_to_equilibrium(state, tolerance, reference)
-        effort += flowed.effort
-        if flowed.equilibrium is None:
-            return _Descent(None, -1, effort)
-        with self._newton.factorise(flowed.state) as factors:
-            return _Descent(flowed.equilibrium, self._count_modes(factors), effort)
+        return flowed.equilibrium or flowed.unstable, effort + flowed.effort
 
     def _solve_at_end_of_walk(self, state: State, tolerance: float) -> NewtonOutcome:
         """Solve at the end of a walk."""

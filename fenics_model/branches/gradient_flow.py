@@ -95,11 +95,14 @@ class FlowOutcome:
         The solution without viscosity that ended it; None if it found no stable equilibrium.
     effort : Effort
         What it took.
+    unstable : NewtonOutcome or None
+        The solution that ended it, if that is an unstable equilibrium.
     """
 
     state: State
     equilibrium: NewtonOutcome | None
     effort: Effort
+    unstable: NewtonOutcome | None = None
 
 
 @dataclass(frozen=True)
@@ -245,6 +248,11 @@ class GradientFlow:
         with self._energy.at_present_loads() as balance:
             here = _Place.at(start, balance, self._newton)
             while effort.flow_steps < limit and control.k <= rule.stiffest * self._first:
+                left = here.residual / tolerance
+                self._newton.tell(
+                    f"viscous flow, step {effort.flow_steps + 1}, residual {left:.1e} of what is "
+                    "accepted"
+                )
                 step = self._take_step(here, control.k, tolerance, balance)
                 effort += Effort(1, flow_steps=1)
                 outcome, end = step.outcome, step.end
@@ -296,4 +304,6 @@ class GradientFlow:
         """Return the outcome at rest, where the flow ends even if it is not stable."""
         with self._newton.factorise(outcome.state) as factors:
             modes = unstable_modes(factors, self._newton.solid.number_of_pressures)
-        return FlowOutcome(outcome.state, None if modes > 0 else outcome, effort)
+        if modes > 0:
+            return FlowOutcome(outcome.state, None, effort, unstable=outcome)
+        return FlowOutcome(outcome.state, outcome, effort)

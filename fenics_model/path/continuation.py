@@ -236,16 +236,26 @@ class Continuation:
         """Count the unstable modes of a goal, and leave it if there are any.
 
         If the guide has led to an unstable state, the body flows from the guide's shape. If that
-        leads nowhere, load steps are to be taken instead: None.
+        leads nowhere, the state is left as any other; if that, too, ends at an unstable one, load
+        steps are to be taken instead: None.
         """
         with self._newton.factorise(found.state) as factors:
             modes = self._count_modes(factors)
             if modes <= 0:
                 return replace(found, unstable_modes=modes)
             if not is_guided:
-                departure = self._search.leave_unstable(found.state, factors, accepted, reference)
-        if is_guided:
-            return self._flow_from_shape(found, accepted, reference)
+                return self._leave_unstable(found, factors, accepted, reference)
+        stable = self._flow_from_shape(found, accepted, reference)
+        if stable is None:
+            with self._newton.factorise(found.state) as factors:
+                stable = self._leave_unstable(found, factors, accepted, reference)
+        return stable if stable.unstable_modes <= 0 else None
+
+    def _leave_unstable(
+        self, found: LoadPoint, factors: Factors, accepted: float, reference: float
+    ) -> LoadPoint:
+        """Return the goal after a search for stable branches; as it was if none is to be taken."""
+        departure = self._search.leave_unstable(found.state, factors, accepted, reference)
         self._effort += departure.effort
         left = replace(found, unstable_modes=departure.unstable_modes, departure=departure)
         taken = departure.equilibrium

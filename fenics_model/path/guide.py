@@ -53,7 +53,7 @@ class GuideRule:
     far_in_contact: float = 1.5
     longest_way: float = LONGEST_WAY
     iteration_limit: int = 6
-    flow_steps: int = 60
+    flow_steps: int = 100
 
 
 class Guide:

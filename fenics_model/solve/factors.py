@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from bilayer.errors import ComputationError
 from fenics_model.solve.layout import Layout
 
 _ERROR, _NEGATIVE_PIVOTS = 1, 12
@@ -110,9 +111,22 @@ class Factors:
         return int(factors.getFactorMatrix().getMumpsInfog(_NEGATIVE_PIVOTS)) if tells else None
 
     def solve(self, right: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the change of state for a right side, both with ghosts."""
+        """Return the change of state for a right side, both with ghosts.
+
+        Raises
+        ------
+        ComputationError
+            There are no factors, because the factorisation failed.
+        """
+        if self.failure:
+            raise ComputationError(self.failure)
         with self._layout.vectors(right, None) as (side, change):
-            self.solver.solve(side, change)
+            try:
+                self.solver.solve(side, change)
+            except PETSc.Error as error:
+                raise ComputationError(
+                    f"the linear solver failed (PETSc's error {error.ierr})"
+                ) from error
             return self._layout.read(change)
 
     @property

@@ -289,6 +289,10 @@ class Newton:
             here.state, not reason, iterations, corrections, here.norm, length, reason
         )
 
+    def tell(self, doing: str) -> None:
+        """Say in a few words what is being done."""
+        self._tell(doing)
+
     def _describe(self, iterations: int, residual: float) -> str:
         """Say what is being done."""
         method = "Newton iteration" if self._viscosity is None else "viscous flow, iteration"

@@ -44,6 +44,30 @@ def test_once_pushed_it_settles_where_the_springs_are_at_rest(column):
     assert np.linalg.norm(outcome.state[3:6] - straight[:3]) == pytest.approx(1, abs=1e-9)
 
 
+class Uphill:
+    """A factor whose steps lead uphill, as those of a stiffness that round-off has spoilt."""
+
+    def solve(self, right_side):
+        return -right_side
+
+
+def test_where_the_stiffness_leads_uphill_a_stiffer_one_leads_down(column, monkeypatch):
+    solver, body, straight = column
+    pushed = straight + 0.01 * solver.unstable_direction(body, straight)
+    limits, factor = NewtonLimits(1e-10, 100, 0.1), EquilibriumSolver._factor_convex
+    monkeypatch.setattr(EquilibriumSolver, "_factor_downhill", lambda self, here: Uphill())
+    outcome = solver.find_minimum([body], pushed, limits)
+    assert outcome.converged
+    assert np.linalg.norm(outcome.state[3:6] - straight[:3]) == pytest.approx(1, abs=1e-8)
+
+    def without_stiffening(self, here, stiffening=0.0):
+        return Uphill() if stiffening else factor(self, here)
+
+    monkeypatch.setattr(EquilibriumSolver, "_factor_convex", without_stiffening)
+    stuck = solver.find_minimum([body], pushed, limits)
+    assert (stuck.converged, stuck.iterations) == (False, 0)
+
+
 def test_too_few_iterations_are_told(column):
     solver, body, straight = column
     pushed = straight + 0.01 * solver.unstable_direction(body, straight)

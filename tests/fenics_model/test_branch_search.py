@@ -9,9 +9,10 @@ pytest.importorskip("dolfinx")
 from verification.buckled_plate import LENGTH, THICKNESS, BuckledPlate
 from verification.solid_problem import push
 
-from fenics_model.branches.branch_search import SearchRule
+from fenics_model.branches.branch_search import BranchSearch, SearchRule
 from fenics_model.branches.buckling_modes import buckling_modes, rms_displacement
 from fenics_model.release.branch_fields import branch_dataset
+from fenics_model.solve.effort import Effort
 
 
 @pytest.fixture(scope="module")
@@ -124,6 +125,26 @@ def test_a_search_that_finds_nothing_stays(plate):
     departure = plate.leave(plate.flat, search)
     assert departure.equilibrium is None
     assert [branch.unstable_modes for branch in departure.branches] == [1, -1, -1]
+
+
+@pytest.mark.parametrize(("landings", "stable"), [(1, False), (12, True)])
+def test_a_search_goes_on_from_one_unstable_shape_to_the_next(monkeypatch, landings, stable):
+    """The first landing of either side is flat; what follows is not."""
+    plate = BuckledPlate()
+    flat, land, landed = plate.newton.solve(plate.flat, plate.tolerance), BranchSearch._land, []
+
+    def land_flat_first(self, state, mode, sign, tolerance, reference):
+        landed.append(sign)
+        if landed.count(sign) == 1:
+            return flat, Effort(1)
+        return land(self, state, mode, sign, tolerance, reference)
+
+    monkeypatch.setattr(BranchSearch, "_land", land_flat_first)
+    departure = plate.leave(plate.flat, plate.search(rule=SearchRule(landings=landings)))
+    assert (departure.unstable_modes == 0) == stable
+    assert departure.unstable_modes == plate.unstable_modes(departure.equilibrium.state)
+    assert len(landed) == 2 * min(landings, 2)
+    plate.close()
 
 
 def test_the_dataset_tells_what_was_found(plate):

@@ -16,8 +16,9 @@ from verification.solid_problem import newton_of
 
 from bilayer import InputError, MeshSize, generate_mesh, paper_specimen
 from bilayer import solve as bilayer_solve
-from bilayer.errors import Interrupted
+from bilayer.errors import ComputationError, Interrupted
 from fenics_model import SolidSettings
+from fenics_model.solve.factors import Factors
 from fenics_model.solve.stopwatch import Stopwatch
 
 COARSE = replace(paper_specimen(), mesh=MeshSize(0.016))
@@ -66,6 +67,17 @@ def test_a_factorisation_without_memory_says_so_and_keeps_what_was_reached(mesh)
     assert result["converged"].values.tolist() == [0]
     assert "stopped at prestretch 1:" in result.attrs["stop_reason"]
     assert "the factorisation failed" in result.attrs["stop_reason"]
+
+
+def test_a_solution_without_factors_says_why_there_are_none():
+    """PETSc's own words are that an argument is in the wrong state (its error 73)."""
+    plate = BuckledPlate()
+    with plate.newton.factorise(plate.flat) as factors:
+        failed = Factors(factors.solver, factors.matrix, factors.layout, "PETSc: out of memory")
+        with pytest.raises(ComputationError, match=r"^PETSc: out of memory$"):
+            failed.solve(plate.lift(1.0))
+    assert plate.newton.solve(plate.flat, plate.tolerance).converged  # nothing is left of it
+    plate.close()
 
 
 def test_a_failed_run_leaves_nothing_behind(mesh):
