@@ -161,6 +161,7 @@ class GrownMiddle:
     """A flat lattice whose middle grows: flat it is in equilibrium, and unstable."""
 
     extra_dofs = fold_count = 0
+    extra_flat, fixed_dofs = np.empty(0), np.empty(0, dtype=np.int64)
 
     def __init__(self, mesh):
         self._mesh = mesh
