@@ -55,7 +55,7 @@ def test_where_the_stiffness_leads_uphill_a_stiffer_one_leads_down(column, monke
     solver, body, straight = column
     pushed = straight + 0.01 * solver.unstable_direction(body, straight)
     limits, factor = NewtonLimits(1e-10, 100, 0.1), EquilibriumSolver._factor_convex
-    monkeypatch.setattr(EquilibriumSolver, "_factor_downhill", lambda self, here: Uphill())
+    monkeypatch.setattr(EquilibriumSolver, "factor_downhill", lambda self, here: Uphill())
     outcome = solver.find_minimum([body], pushed, limits)
     assert outcome.converged
     assert np.linalg.norm(outcome.state[3:6] - straight[:3]) == pytest.approx(1, abs=1e-8)
