@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from bilayer.fitting.fit import fit
     from bilayer.fitting.measurement import Measurement, read_measurement
     from bilayer.landscape.barrier import barrier
+    from bilayer.landscape.lower import look_below
     from bilayer.landscape.search import states
     from bilayer.mesh.generation import generate_mesh
     from bilayer.mesh.planar import PlanarMesh
@@ -115,6 +116,7 @@ _MODULES = {
     "bilayer.fitting.fit": ("fit",),
     "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
     "bilayer.landscape.barrier": ("barrier",),
+    "bilayer.landscape.lower": ("look_below",),
     "bilayer.landscape.search": ("states",),
     "bilayer.mesh.generation": ("generate_mesh",),
     "bilayer.mesh.planar": ("PlanarMesh",),

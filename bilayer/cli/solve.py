@@ -18,9 +18,9 @@ from bilayer.cli.specimen_arguments import (
 )
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.results.files import check_result_output, open_result
+from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.results.records import comparison_record, result_record
-from bilayer.results.report import law_warnings, result_table
+from bilayer.results.report import describe_lower_states, law_warnings, result_table
 from bilayer.results.schema import NOT_MEASURED
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
@@ -103,6 +103,11 @@ def add(verbs: Any) -> None:
         "--start-state", type=int, metavar="K",
         help="of --start FILE.nc, a file of `bilayer states`: its state K instead of the lowest",
     )  # fmt: skip
+    verb.add_argument(
+        "--look-below", type=int, metavar="N",
+        help="look for lower states by N starts of the shell at each milestone; the file and "
+        "`bilayer info` say how far the lowest lies below",
+    )  # fmt: skip
     add_json_argument(verb)
     verb.epilog = (
         f"{verb.epilog}\n\n`bilayer settings` lists what --set solver.NAME=VALUE can change."
@@ -129,6 +134,10 @@ def run(options: argparse.Namespace) -> int:
             results.append(_solved(one, options, specimen, mesh, start))
             status = max(status, _status_of(results[-1], one.settings, told=first))
     if first:
+        if options.look_below is not None:
+            results = [
+                _look_below(one, result, options) for one, result in zip(runs, results, strict=True)
+            ]
         _show(results, options)
         if options.plot:
             _draw(runs, results)
@@ -180,6 +189,18 @@ def _solved(
             resume=one.output if options.resume and one.output.exists() else None,
             limit=None if options.limit is None else read_duration("--limit", options.limit),
         )
+
+
+def _look_below(one: _Run, result: xr.Dataset, options: argparse.Namespace) -> xr.Dataset:
+    """Return a result that says where a lower state is known, which is written."""
+    from bilayer.landscape.lower import look_below  # what it loads is seldom needed
+
+    with progress_bar("look below", shown=not options.quiet) as progress:
+        looked = look_below(result, starts=options.look_below, progress=progress)
+    write_result(looked, one.output)
+    if not options.quiet:
+        tell(f"bilayer: {' '.join(describe_lower_states(looked))}")
+    return looked
 
 
 def _show(results: Sequence[xr.Dataset], options: argparse.Namespace) -> None:

@@ -14,7 +14,7 @@ from bilayer.cli.specimen_arguments import (
 from bilayer.landscape.confirm import confirm
 from bilayer.landscape.report import describe_search, states_table
 from bilayer.landscape.search import STARTS, states
-from bilayer.results.files import check_result_output, write_result
+from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.results.report import law_warnings
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
@@ -41,6 +41,10 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--starts", type=int, default=STARTS, metavar="N", help=f"starts, {STARTS} if left out"
     )
+    verb.add_argument(
+        "--start", metavar="FILE.nc",
+        help="a result, such as states on another mesh: its shapes are the first starts",
+    )  # fmt: skip
     verb.add_argument("--model", help="of the shell: morley, the default, or hinge")
     verb.add_argument(
         "--resume", action="store_true",
@@ -71,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
             settings,
             starts=options.starts,
             mesh=None if options.mesh is None else read_mesh_argument(options, specimen),
+            start=None if options.start is None else open_result(options.start),
             progress=progress,
             output=output,
             resume=resume,

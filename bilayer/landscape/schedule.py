@@ -10,6 +10,7 @@ from bilayer.landscape.starts import Sheet, Start, fixed_starts, random_start
 
 Array = NDArray[np.float64]
 
+GIVEN = "given shape"
 PATHS = (8, 2, 1)
 """Numbers of equal steps of the prestretch by which the flat sheet comes to it."""
 PUSH = 0.1
@@ -17,12 +18,15 @@ PUSH = 0.1
 
 
 def schedule(
-    sheet: Sheet, catalogue: Catalogue, follow_path: Callable[[int], Array]
+    sheet: Sheet,
+    catalogue: Catalogue,
+    follow_path: Callable[[int], Array],
+    given: Sequence[Array] = (),
 ) -> Iterator[Start]:
     """Yield the starts of a search without end, each when it is asked for.
 
-    The load paths, the fixed shapes, then for each state that is known by then it turned over and
-    away from it, and random shapes.
+    Shapes that are given, the load paths, the fixed shapes, then for each state that is known by
+    then it turned over and away from it, and random shapes.
 
     Parameters
     ----------
@@ -32,7 +36,11 @@ def schedule(
         The states that are known; it grows.
     follow_path : callable
         Takes a number of steps, returns the shape at their end.
+    given : sequence of (n, 3) array of float
+        Shapes from elsewhere, m.
     """
+    for number, shape in enumerate(given):
+        yield Start(f"{GIVEN} {number}", lambda s=shape: s)  # type: ignore[misc]
     for steps in PATHS:
         yield Start(f"path of {steps} steps", lambda n=steps: follow_path(n))  # type: ignore[misc]
     yield from fixed_starts(sheet, catalogue.images.symmetry)

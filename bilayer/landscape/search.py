@@ -15,11 +15,12 @@ from bilayer.landscape.catalogue import Catalogue, State
 from bilayer.landscape.dataset import read_catalogue, states_dataset
 from bilayer.landscape.schedule import schedule
 from bilayer.landscape.starts import Sheet, Start
-from bilayer.landscape.symmetry import Images, symmetry_of
+from bilayer.landscape.symmetry import Images, interpolation, symmetry_of
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.assembly import Provenance
 from bilayer.results.files import check_result_output, open_result, write_result
+from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import MilestoneState, result_mesh
 from bilayer.runtime.progress import Progress
 from bilayer.runtime.termination import signals_put_off
@@ -47,6 +48,7 @@ def states(
     *,
     starts: int = STARTS,
     mesh: PlanarMesh | None = None,
+    start: xr.Dataset | None = None,
     progress: Progress | None = None,
     output: str | Path | None = None,
     resume: str | Path | None = None,
@@ -67,6 +69,9 @@ def states(
         How many starts.
     mesh : PlanarMesh, optional
         The planar mesh to use; made from the specimen if left out.
+    start : Dataset, optional
+        A result, such as the states of another mesh or of a specimen that differs by little: its
+        shapes are the first starts.
     progress : callable, optional
         See `bilayer.runtime.progress.Progress`.
     output : path-like, optional
@@ -102,7 +107,8 @@ def states(
     asked = specimen_given(specimen)
     solver = solver_named("dshell")
     chosen = settings_class("dshell")() if settings is None else settings
-    search = Search(asked, solver, chosen, whole("starts", starts, 1, MOST_STARTS), mesh, output)
+    count = whole("starts", starts, 1, MOST_STARTS)
+    search = Search(asked, solver, chosen, count, mesh, output, start)
     if resume is not None:
         search.restore(resume)
     return search.run(progress)
@@ -125,6 +131,8 @@ class Search:
         The planar mesh; made from the specimen if None.
     output : path-like or None
         File of the states.
+    start : Dataset or None
+        A result whose shapes are the first starts.
     """
 
     def __init__(
@@ -135,6 +143,7 @@ class Search:
         starts: int,
         mesh: PlanarMesh | None = None,
         output: str | Path | None = None,
+        start: xr.Dataset | None = None,
     ) -> None:
         if output is not None:
             check_result_output(output)
@@ -147,6 +156,7 @@ class Search:
         self._solver, self._settings, self._mesh = solver, settings, mesh
         self._model = model_of(solver, settings)
         self._catalogue: Catalogue | None = None
+        self._start = start
 
     def restore(self, path: str | Path) -> None:
         """Go on from the file of a search that was not finished, or of one with fewer starts."""
@@ -211,7 +221,8 @@ class Search:
         """Take the starts that have not been taken; yield after each."""
         sheet = Sheet(finder.mesh, self.specimen.characteristic_length)
         done = {name for name, _ in catalogue.visits}
-        for start in schedule(sheet, catalogue, self._follow_path):
+        given = [] if self._start is None else shapes_on(finder.mesh, self._start)
+        for start in schedule(sheet, catalogue, self._follow_path, given):
             if len(catalogue.visits) >= self._starts:
                 return
             if start.name in done:
@@ -293,3 +304,14 @@ class Search:
                 if step.failure is not None:
                     raise ComputationError(str(step.failure)) from step.failure
             return step.point.position
+
+
+def shapes_on(mesh: PlanarMesh, result: xr.Dataset) -> list[Array]:
+    """Return the shapes that a result reached, on a mesh, linear between the nodes of its own."""
+    result = along_milestones(result)
+    shapes = result["position"].values[result["converged"].values == 1]
+    own = result_mesh(result)
+    if own.same_as(mesh):
+        return list(shapes)
+    values_at = interpolation(own, mesh.points)
+    return [values_at @ shape for shape in shapes]

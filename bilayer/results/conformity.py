@@ -21,6 +21,7 @@ from bilayer.results.netcdf import StoredGroup
 from bilayer.results.schema import (
     CONTACT_CROSSES,
     FORMAT,
+    LOWER_STATE,
     NOT_MEASURED,
     REQUIRED,
     SAME_STRETCH,
@@ -61,7 +62,7 @@ def _layouts() -> dict[str, Layout]:
             "sphere_rmse", "hemisphere_distance", "height", "residual", "wall_time",
             "self_contact_gap", "last_prestretch", "assembly_time", "factorisation_time",
             "cpu_time", "dissipated_energy", "contact_gap", "contact_force", "contact_pairs",
-            CONTACT_CROSSES, "least_stiffness", "next_stiffness", "way_length",
+            CONTACT_CROSSES, "least_stiffness", "next_stiffness", "way_length", LOWER_STATE,
         ),
         Layout(WHOLE, by_milestone): (
             "iterations", "load_steps", "unstable_modes", "converged", "factorisations",

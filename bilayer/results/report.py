@@ -17,7 +17,13 @@ from bilayer.results.caveats import (
 from bilayer.results.effort import effort_lines
 from bilayer.results.load_variables import LOAD, RESPONSE
 from bilayer.results.milestones import along_milestones
-from bilayer.results.schema import CONTACT_CROSSES, NOT_MEASURED, result_mesh, result_specimen
+from bilayer.results.schema import (
+    CONTACT_CROSSES,
+    LOWER_STATE,
+    NOT_MEASURED,
+    result_mesh,
+    result_specimen,
+)
 from bilayer.results.table import cells, stretch_text, stretches
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.doubts import doubts
@@ -149,6 +155,7 @@ def trust_sentences(result: xr.Dataset) -> list[str]:
     missing = [f"NOT REACHED: {', '.join(map(stretch_text, lost))}."] if len(lost) else []
     return [
         _describe_equilibrium(result),
+        *describe_lower_states(result),
         _describe_contact(result),
         *(f"Doubtful: {doubt}." for doubt in doubts(result_specimen(result))),
         *thickness_warnings(result),
@@ -183,6 +190,19 @@ def law_warnings(result: xr.Dataset) -> list[str]:
         for parts in zip(*bonded, strict=True)
     ]
     return list(filter(None, warnings))
+
+
+def describe_lower_states(result: xr.Dataset) -> list[str]:
+    """Return the milestones at which a lower state is known, if anybody has looked."""
+    if LOWER_STATE not in result:
+        return []
+    pairs, below = stretches(result), result[LOWER_STATE].values
+    known = [
+        f"{stretch_text(pairs[row])} ({-below[row]:.2%} below)" for row in np.flatnonzero(below < 0)
+    ]
+    if known:
+        return [f"A LOWER STATE is known at {', '.join(known)}."]
+    return ["No lower state was found by the starts that were tried."]
 
 
 def _describe_contact(result: xr.Dataset) -> str:

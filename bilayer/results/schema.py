@@ -40,6 +40,8 @@ CONTACT_CROSSES = "contact_crosses"
 """Variable of a result whose contact was modelled: 1 if the skin crosses itself all the same."""
 TIMES_FOUND = "times_found"
 """Variable of the states of a search (`bilayer.landscape`): how often each was found."""
+LOWER_STATE = "lower_state"
+"""Variable of a result for which lower states were looked for: how far the lowest lies below."""
 UNKNOWN_STABILITY = -1
 SAME_STRETCH = 1e-9
 """Milestones that differ by less are the same."""

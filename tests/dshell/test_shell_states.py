@@ -10,12 +10,16 @@ import xarray as xr
 import bilayer
 from bilayer import ComputationError, InputError, MorleySettings, PaperSettings
 from bilayer.errors import Interrupted
+from bilayer.geometry.alignment import rms_distance
 from bilayer.landscape.barrier import describe_barrier
 from bilayer.landscape.catalogue import Catalogue
 from bilayer.landscape.report import describe_search, states_table
+from bilayer.landscape.search import shapes_on
 from bilayer.landscape.starts import Sheet
 from bilayer.landscape.symmetry import Images, symmetry_of
+from bilayer.mesh.planar import flat_surface
 from bilayer.results.released_shapes import released_shapes
+from bilayer.results.report import describe_lower_states
 from bilayer.results.schema import result_mesh
 from bilayer.solvers.rerun import rerun
 from dshell.solve.deflation import ShapeDeflation
@@ -231,3 +235,26 @@ def test_the_barrier_is_told(way, thin):
 def test_states_of_a_search_are_not_computed_again(found):
     with pytest.raises(InputError, match="has the states of a search"):
         rerun(found[0])
+
+
+def test_a_result_knows_of_a_lower_state(found):
+    """States of one file, the higher one as a result of its own."""
+    states, _ = found
+    higher = states.isel(prestretch=[-1]).drop_dims("start")
+    known = bilayer.look_below(higher, starts=FEW + 1)
+    energy = states["energy"].sum("term").values
+    assert known["lower_state"].values == pytest.approx([energy[0] / energy[-1] - 1], abs=1e-9)
+    lower = known.assign(lower_state=("prestretch", [-0.025]))
+    assert describe_lower_states(lower) == ["A LOWER STATE is known at 1.15 (2.50% below)."]
+    assert describe_lower_states(known.drop_vars("lower_state")) == []
+
+
+def test_states_start_from_those_of_another_mesh(specimen, found):
+    states, _ = found
+    finer = replace(specimen, mesh=bilayer.MeshSize(0.009))
+    (first, *_) = shapes_on(bilayer.generate_mesh(finer), states)
+    again = bilayer.states(finer, starts=1, start=states)
+    assert again["start_name"].values.tolist() == ["given shape 0"]
+    weights = flat_surface(result_mesh(again)).node_areas
+    apart = rms_distance(again["position"].values[0], first, weights)
+    assert apart < 0.1 * 0.04  # the same state, on a mesh of another size
