@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 from documentation.staging import CHECKOUT
 
 BLOCK = re.compile(
-    r"<!-- before:\s(?P<before>.*?) -->"
+    r"<!-- before:\s(?P<before>.*?)\s-->"
     r"|(?P<skipped><!-- not run: .*? -->\n)?^```(?P<language>\w+)\n(?P<text>.*?)^```$",
     re.DOTALL | re.MULTILINE,
 )
