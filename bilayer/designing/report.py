@@ -117,6 +117,8 @@ def _verdict(outcome: DesignOutcome) -> Iterable[str]:
         found = outcome.from_flat.shapes[0]
         yield f"**Reached, by the shell alone: {_away(found.distance, diagonal)}.**"
         yield "The finite-element model has not checked it."
+    if outcome.check_failure:
+        yield f"Of the last design, {outcome.check_failure}."
     if not outcome.is_the_same_from_flat:
         along = outcome.along_the_way.shapes[0].distance
         yield (

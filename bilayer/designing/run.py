@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.designing.checked import Checked
+from bilayer.designing.checked import Checked, check_design
 from bilayer.designing.evaluation import Evaluation
 from bilayer.designing.folder import DesignFolder
-from bilayer.designing.stage import Stage
+from bilayer.designing.stage import Corrected, Stage
 from bilayer.designing.task import DESIGN_SOLVER, DesignTask, read_design
 from bilayer.designing.trust_region import Iterate, NoValueError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Solver
 from bilayer.solvers.registry import solver_named
-from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.specimen import MeshSize, Specimen
 
 Array = NDArray[np.float64]
 
@@ -25,6 +25,8 @@ ENOUGH_FALL = 0.02
 """Fall of the value in a stage, relative, that is worth another one."""
 WORSE = 1.5
 """A value from flat, over that along the way, which is another shape's and not another mesh's."""
+CORRECTED_EVALUATIONS = 5
+"""Of a search with corrected shapes, which are true near the checked design alone."""
 FIRST_RADIUS_AGAIN = 0.05
 """Half the width of the first box of a later stage."""
 
@@ -73,10 +75,12 @@ class DesignOutcome:
         way if there are none.
     flat_failure : str
         Why there are none from flat, or empty.
+    check_failure : str
+        Why the last check came to nothing, or empty.
     history : tuple of Tried
         All evaluations.
     checks : tuple of Checked
-        The design as the finite-element model has it; the last one is of this design.
+        Designs as the finite-element model has them; the last one is of this design.
     """
 
     task: DesignTask
@@ -87,6 +91,7 @@ class DesignOutcome:
     history: tuple[Tried, ...]
     checks: tuple[Checked, ...] = ()
     flat_failure: str = ""
+    check_failure: str = ""
 
     @property
     def solves(self) -> int:
@@ -188,6 +193,7 @@ class _Design:
         self._progress, self._observer = progress, observer
         self._solver: Solver = solver_named(DESIGN_SOLVER)
         self._history: list[Tried] = []
+        self._stages = 0
 
     def run(self) -> DesignOutcome:
         """Search stage by stage, then look at the design from flat."""
@@ -200,7 +206,40 @@ class _Design:
                 searched = self._search(stage, self._left - 1)
             except NoValueError:
                 break
-        return self._look(searched)
+        return self._checked(self._look(searched))
+
+    def _checked(self, outcome: DesignOutcome) -> DesignOutcome:
+        """Return a design that the finite-element model has checked, as often as is wanted.
+
+        All checks but the last correct the shell's shapes, and the search goes on.
+        """
+        runs, finer = self._task.check.runs, self._task.check.mesh_size
+        checks: list[Checked] = []
+        for run in range(1, runs + 1):
+            file = self._folder.path / f"check-{run}.nc"
+            specimen = outcome.specimen
+            mesh: PlanarMesh | None = outcome.mesh
+            if run == runs and finer is not None:
+                specimen, mesh = replace(specimen, mesh=MeshSize(finer)), None
+            checked = check_design(self._task, specimen, mesh, file, self._progress)
+            if checked is None:
+                failure = f"the finite-element model did not reach it ({file.name})"
+                return replace(outcome, checks=tuple(checks), check_failure=failure)
+            checks.append(checked)
+            if run < runs:
+                outcome = self._corrected(outcome, checked)
+        return replace(outcome, checks=tuple(checks))
+
+    def _corrected(self, outcome: DesignOutcome, checked: Checked) -> DesignOutcome:
+        """Return what the search comes to from a design, its shapes corrected."""
+        found = outcome.from_flat
+        corrected = Corrected.between(outcome.mesh, found.shapes[0].position, checked.position)
+        number = self._stages + 1
+        stage = Stage.begin(self._folder, number, self._task, found.point, corrected)
+        try:
+            return self._look(self._search(stage, CORRECTED_EVALUATIONS))
+        except NoValueError as error:
+            return replace(outcome, flat_failure=str(error))
 
     @property
     def _left(self) -> int:
@@ -210,6 +249,7 @@ class _Design:
         """Return what the search on one mesh comes to."""
         radius = self._task.limits.radius if stage.number == 1 else FIRST_RADIUS_AGAIN
         limits = replace(self._task.limits, evaluations=max(evaluations, 1), radius=radius)
+        self._stages = stage.number
         bests = []
         for step in stage.search(self._folder, self._task, self._solver, limits):
             bests.append(step.best)

@@ -25,8 +25,9 @@ from bilayer.errors import (
     NotEnoughMemoryError,
     NotResumableError,
 )
+from bilayer.geometry.alignment import align
 from bilayer.mesh.generation import generate_mesh
-from bilayer.mesh.planar import PlanarMesh
+from bilayer.mesh.planar import PlanarMesh, flat_surface
 from bilayer.solvers.contract import Solver
 from bilayer.specimen.specimen import Specimen
 
@@ -35,6 +36,27 @@ Array = NDArray[np.float64]
 LEAST_AREA = 0.4
 """Of a triangle as the mesh moves, over what it was; below a new mesh is made."""
 SHAPE = "shape-"
+
+
+@dataclass(frozen=True, eq=False)
+class Corrected:
+    """How far the true shape is from that of the shell, for designs nearby.
+
+    Parameters
+    ----------
+    mesh : PlanarMesh
+        On which both are known.
+    correction : (n, 3) array of float
+        From the shell's reference surface to the true one, m.
+    """
+
+    mesh: PlanarMesh
+    correction: Array
+
+    @classmethod
+    def between(cls, mesh: PlanarMesh, shell: Array, true: Array) -> "Corrected":
+        """Return the correction of a shell's reference surface, (n, 3), by the true one, m."""
+        return cls(mesh, align(true, shell, flat_surface(mesh).node_areas) - shell)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +81,14 @@ class Stage:
     correction: Array | None = None
 
     @classmethod
-    def begin(cls, folder: DesignFolder, number: int, task: DesignTask, point: Array) -> "Stage":
+    def begin(
+        cls,
+        folder: DesignFolder,
+        number: int,
+        task: DesignTask,
+        point: Array,
+        corrected: Corrected | None = None,
+    ) -> "Stage":
         """Return the stage that is there, or a new one with a mesh of its own.
 
         Parameters
@@ -68,16 +97,20 @@ class Stage:
             Where it is kept, which one, and of what.
         point : (k,) array of float
             Where it begins.
+        corrected : Corrected, optional
+            The mesh and the correction of a new one.
         """
         specimen = task.variables.specimen(task.specimen, point)
         file = folder.stage(number) / "mesh.npz"
         held = folder.read(file)
         if held is None:
-            mesh = generate_mesh(specimen)
+            mesh = generate_mesh(specimen) if corrected is None else corrected.mesh
             held = {
                 "points": mesh.points, "triangles": mesh.triangles, "region": mesh.region,
                 "point": point,
             }  # fmt: skip
+            if corrected is not None:
+                held["correction"] = corrected.correction
             folder.write(file, held)
         _check_point(held, point, file)
         mesh = PlanarMesh(held["points"], held["triangles"], held["region"], specimen.layer_sets)

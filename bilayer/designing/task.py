@@ -132,7 +132,7 @@ class DesignTask:
             specimen_to_toml(self.specimen),
             settings_to_toml(self.settings),
             repr(self.variables), repr(self.robustness), repr(self.widths), repr(self.least_gap),
-            repr(self.limits.radius), self.target.identity,
+            repr(self.limits), self.target.identity,
         ]  # fmt: skip
         return sha256(json.dumps(parts).encode()).hexdigest()[:16]
 

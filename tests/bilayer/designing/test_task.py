@@ -100,7 +100,8 @@ def test_other_tasks_have_other_identities(folder):
     assert read(folder).identity == first
     assert read(folder, FILE.replace("2 mm", "2.1 mm")).identity != first
     assert read(folder, FILE.replace("60 deg", "61 deg")).identity != first
-    assert read(folder, FILE.replace("evaluations = 7", "evaluations = 9")).identity == first
+    assert read(folder, FILE.replace("evaluations = 7", "evaluations = 9")).identity != first
+    assert read(folder, FILE.replace("runs = 2", "runs = 3")).identity == first
 
 
 @pytest.mark.parametrize(
