@@ -1,6 +1,7 @@
 """Design files, variables and scenarios."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,3 +175,9 @@ def test_widths_that_are_too_small_are_negative_and_those_at_their_least_are_nam
 def test_milestones_on_the_way_of_two_axes():
     assert milestones_to((1.2, 0.9), 0.1) == [(1.1, 0.95), (1.2, 0.9)]
     assert milestones_to((1.05, 1.05), 0.1) == [(1.05, 1.05)]
+
+
+def test_the_example_is_a_design():
+    task = read_design(Path(__file__).parents[3] / "examples" / "design_hemisphere.toml")
+    assert len(task.variables.names) == 8
+    assert task.widths.margins(task.specimen).min() > 0
