@@ -68,6 +68,7 @@ if TYPE_CHECKING:
         Yeoh,
         register_law,
     )
+    from bilayer.specimen.obstacle import PlaneObstacle, SphereObstacle
     from bilayer.specimen.outline import Disc, Ellipse, Polygon, Rectangle, RegularPolygon
     from bilayer.specimen.part import Limit, Part
     from bilayer.specimen.pattern import (
@@ -147,6 +148,7 @@ _MODULES = {
     ),
     "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
     "bilayer.specimen.load": ("Load",),
+    "bilayer.specimen.obstacle": ("PlaneObstacle", "SphereObstacle"),
     "bilayer.specimen.outline": ("Disc", "Ellipse", "Polygon", "Rectangle", "RegularPolygon"),
     "bilayer.specimen.part": ("Limit", "Part"),
     "bilayer.specimen.pattern": (

@@ -34,7 +34,13 @@ from bilayer.runtime.version import __version__
 from bilayer.specimen.layer import BondedLayer
 from bilayer.specimen.materials import Law, LinearElastic, MooneyRivlin, NeoHookean
 from bilayer.specimen.settings import setting
-from bilayer.specimen.specimen import KIRIGAMI_LAYER, Specimen, refuse_loading, refuse_time
+from bilayer.specimen.specimen import (
+    KIRIGAMI_LAYER,
+    Specimen,
+    refuse_loading,
+    refuse_obstacles,
+    refuse_time,
+)
 from bilayer.specimen.support import HeldNodes, choose_held_nodes
 from bilayer.specimen.toml import specimen_to_toml
 from bilayer.specimen.two_layers import LAYERS, TwoLayers
@@ -129,6 +135,7 @@ def write_decks(
     """
     refuse_loading(specimen, "a CalculiX deck")
     refuse_time(specimen, "a CalculiX deck")
+    refuse_obstacles(specimen, "a CalculiX deck")
     check_agreement(specimen, mesh)
     names = deck_names(specimen, path)
     for name in names:

@@ -217,6 +217,11 @@ class BarrierState:
             return float(np.inf)
         return float(self._pairs.compute_minimum_distance(self._mesh, self._vertices)) ** 0.5
 
+    @property
+    def force(self) -> float:
+        """Sum of the forces with which places press on each other, N."""
+        return float(np.linalg.norm(self.gradient, axis=1).sum()) / 2
+
     @cached_property
     def energy(self) -> float:
         """J."""

@@ -17,6 +17,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 from scipy.sparse import bsr_matrix, csr_matrix
 
 Array = NDArray[np.float64]
@@ -168,6 +169,18 @@ class ObstacleBarrier:
         )
 
 
+def resting_share(pressure: float) -> float:
+    """Return the distance at which a barrier bears a pressure over its stiffness, over the range.
+
+    Examples
+    --------
+    >>> share = resting_share(0.01)
+    >>> round(-2 * (1 - share) * np.log(share) + (1 - share) ** 2 / share, 12)
+    0.01
+    """
+    return float(brentq(lambda s: (1 - s) ** 2 / s - 2 * (1 - s) * np.log(s) - pressure, 1e-9, 1))
+
+
 class ObstacleState:
     """The barrier to obstacles in one state of the skin.
 
@@ -193,6 +206,11 @@ class ObstacleState:
         """Smallest distance within range, m; infinity if there is none."""
         least = min(float(near.shares.min(initial=np.inf)) for near in self._near)
         return least * self._barrier.range
+
+    @property
+    def force(self) -> float:
+        """Sum of the forces with which points press on obstacles, N."""
+        return float(np.linalg.norm(self.gradient, axis=1).sum())
 
     @property
     def energy(self) -> float:

@@ -26,6 +26,10 @@ class SkinBarrierState(Protocol):
         """Smallest distance within range, m; infinity if there is none."""
 
     @property
+    def force(self) -> float:
+        """Sum of the forces with which places press, N."""
+
+    @property
     def energy(self) -> float:
         """J."""
 
@@ -117,6 +121,11 @@ class SeveralStates:
     def smallest_gap(self) -> float:
         """See `SkinBarrierState`."""
         return min(part.smallest_gap for part in self.parts)
+
+    @property
+    def force(self) -> float:
+        """See `SkinBarrierState`."""
+        return sum(part.force for part in self.parts)
 
     @property
     def energy(self) -> float:

@@ -38,7 +38,7 @@ class Touching:
     gap : float
         Smallest distance of two places of the skin, m; infinity beyond the range of the barrier.
     force : float
-        Sum of the forces with which its places press on each other, N.
+        Sum of the forces with which its places press on each other and on obstacles, N.
     pressure : (m,) array of float
         Pressure on the skin of each of the mesh's triangles, Pa.
     energy : float
@@ -80,7 +80,7 @@ def measure_touching(skin: Covering, barrier: SkinBarrier, state: SkinBarrierSta
     pressure = np.bincount(skin.face, on_triangles, minlength=faces) / areas
     return Touching(
         state.smallest_gap,
-        float(forces.sum()) / 2,
+        state.force,
         pressure,
         state.energy,
         state.pairs,

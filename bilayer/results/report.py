@@ -86,6 +86,7 @@ def provenance(result: xr.Dataset) -> str:
         *_layers(specimen),
         *(f"held        {support.words}" for support in specimen.supports),
         *(f"load        {load.words}" for load in specimen.loads),
+        *(f"obstacle    {obstacle.words}" for obstacle in specimen.obstacles),
         f"mesh        {result.sizes['node']} nodes, {result.sizes['face']} triangles",
         *_patterns_of_the_mesh(specimen, result),
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),

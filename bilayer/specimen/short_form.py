@@ -36,7 +36,7 @@ def short_tables() -> dict[str, tuple[str, ...]]:
         SUBSTRATE: layer,
         KIRIGAMI_LAYER: (*layer, "side"),
         "prestretch": ("milestones", "layers", "thickness"),
-        **{table: COMMON[table] for table in ("gravity", "mesh", "supports", "loads")},
+        **{table: COMMON[table] for table in ("gravity", "mesh", "supports", "loads", "obstacles")},
     }
 
 
@@ -62,7 +62,7 @@ def bilayer_from_tables(data: Tables) -> Specimen:
     kirigami = dict(data.get(KIRIGAMI_LAYER, {}))
     side = kirigami.pop("side", "above")
     common = common_fields(data)
-    held = {key: common.pop(key) for key in ("supports", "loads")}
+    held = {key: common.pop(key) for key in ("supports", "loads", "obstacles")}
     sheet_alone = disc_bilayer(
         outer_radius=disc.radius,
         cut=_cut(data["cut"], disc) if "cut" in data else None,

@@ -17,6 +17,7 @@ import shapely
 from bilayer.errors import InputError, fields_of
 from bilayer.specimen.layer import BondedLayer, Layer
 from bilayer.specimen.load import FREE, Load, Milestone
+from bilayer.specimen.obstacle import Obstacle, PlaneObstacle
 from bilayer.specimen.outline import Disc, Outline
 from bilayer.specimen.pattern import kept_share
 from bilayer.specimen.prestretch import Prestretch, StretchPair
@@ -90,6 +91,8 @@ class Specimen:
         single prestretch holds at all of them.
     schedule : Schedule or None
         Milestones of time at the single prestretch; None: each layer answers at once.
+    obstacles : sequence of Obstacle
+        Rigid and at rest; the sheet cannot pass through them.
 
     Examples
     --------
@@ -116,11 +119,13 @@ class Specimen:
     supports: tuple[Support, ...] = ()
     loads: tuple[Load, ...] = ()
     schedule: Schedule | None = None
+    obstacles: tuple[Obstacle, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "prestretch", _at_every_time(self.prestretch, self.schedule))
         object.__setattr__(self, "layers", _checked_layers(self.layers))
         object.__setattr__(self, "supports", tuple(self.supports))
+        object.__setattr__(self, "obstacles", tuple(self.obstacles))
         object.__setattr__(self, "loads", _checked_loads(self.loads))
         object.__setattr__(self, "prestretch", _at_every_load(self.prestretch, self.loads))
         gravity = not_negative("gravity.acceleration", self.gravity, "m/s2")
@@ -129,6 +134,7 @@ class Specimen:
                 f"gravity.acceleration = {gravity:g} m/s2: expected at most {LARGEST_GRAVITY:g}"
             )
         object.__setattr__(self, "gravity", gravity)
+        _check_laid(self.obstacles, gravity)
         keep(self, text, "name", table="specimen.")
         for layer in self.layers:
             if layer.pattern is not None:
@@ -157,7 +163,12 @@ class Specimen:
     @property
     def is_placed(self) -> bool:
         """Whether something outside holds the sheet where it is, so that its shape has a place."""
-        return self.gravity > 0 or bool(self.supports) or bool(self.loads)
+        return self.gravity > 0 or bool(self.supports or self.loads or self.obstacles)
+
+    @property
+    def is_laid(self) -> bool:
+        """Whether it lies on a table by its weight, free to slide, to turn and to rise."""
+        return any(_is_table(obstacle) for obstacle in self.obstacles)
 
     @property
     def drawn_lines(self) -> tuple[shapely.LineString, ...]:
@@ -331,6 +342,30 @@ def refuse_loading(specimen: Specimen, whom: str) -> None:
     for table, parts in (("supports", specimen.supports), ("loads", specimen.loads)):
         if parts:
             raise InputError(f"[{table}.{parts[0].name}]: {whom} has no {table}, expected none")
+
+
+def refuse_obstacles(specimen: Specimen, whom: str) -> None:
+    """Raise InputError if a specimen has obstacles, which somebody does not know."""
+    if specimen.obstacles:
+        name = specimen.obstacles[0].name
+        raise InputError(f"[obstacles.{name}]: {whom} has no obstacles, expected none")
+
+
+def _is_table(obstacle: Obstacle) -> bool:
+    """Whether the flat sheet lies on an obstacle."""
+    return isinstance(obstacle, PlaneObstacle) and obstacle.point is None
+
+
+def _check_laid(obstacles: Sequence[Obstacle], gravity: float) -> None:
+    """Raise InputError if the sheet is to lie on more than one plane, or has no weight for it."""
+    tables = [obstacle for obstacle in obstacles if _is_table(obstacle)]
+    if len(tables) > 1:
+        raise InputError(f"obstacles.{tables[1].name}.point: missing, the sheet lies on another")
+    if tables and gravity == 0:
+        raise InputError(
+            f"obstacles.{tables[0].name}: the sheet lies on it by its weight, expected "
+            "gravity.acceleration, or a point of the plane"
+        )
 
 
 def _checked_loads(given: Any) -> tuple[Load, ...]:

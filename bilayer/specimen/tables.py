@@ -5,6 +5,7 @@ from typing import Any
 
 from bilayer.errors import InputError
 from bilayer.specimen.loading_tables import loads_from, loads_to, supports_from, supports_to
+from bilayer.specimen.obstacle_tables import obstacles_from, obstacles_to
 from bilayer.specimen.prestretch import Prestretch
 from bilayer.specimen.specimen import MeshSize, Specimen
 from bilayer.specimen.units import in_si
@@ -19,6 +20,7 @@ COMMON: dict[str, tuple[str, ...]] = {
     "mesh": ("size", "corner_size"),
     "supports": (),
     "loads": (),
+    "obstacles": (),
 }
 """Tables that are the same in both forms, each with its keys; those without hold tables."""
 
@@ -58,6 +60,7 @@ def common_fields(data: Tables) -> dict[str, Any]:
         "mesh": MeshSize(**in_si("mesh", data.get("mesh", {}))),
         "supports": supports_from(data.get("supports", {})),
         "loads": loads_from(data.get("loads", {})),
+        "obstacles": obstacles_from(data.get("obstacles", {})),
     }
 
 
@@ -78,6 +81,7 @@ def last_tables(specimen: Specimen) -> dict[str, Any]:
     """Return the tables of a file after those of the layers and the prestretch."""
     size = {key: getattr(specimen.mesh, key) for key in COMMON["mesh"]}
     held = {"supports": supports_to(specimen.supports), "loads": loads_to(specimen.loads)}
+    held["obstacles"] = obstacles_to(specimen.obstacles)
     return {
         **{table: content for table, content in held.items() if content},
         "gravity": {"acceleration": specimen.gravity},

@@ -7,6 +7,7 @@ from functools import partial
 import xarray as xr
 
 from bilayer.contact.package import contact_is_installed
+from bilayer.contact.specimen_obstacles import check_obstacles_are_seen
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import result_mesh
@@ -155,6 +156,7 @@ def open_shell_finder(
 def _shell_and_solver(
     specimen: Specimen, mesh: PlanarMesh, settings: ReleaseSettings
 ) -> tuple[SpecimenShell, EquilibriumSolver]:
+    check_obstacles_are_seen(specimen, settings.contact)
     models_contact = settings.contact == "barrier" and contact_is_installed()
     contact = ContactLimits(settings.contact_range) if models_contact else None
     make_model = _model_maker(settings)

@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from bilayer.contact.barrier import Barrier
 from bilayer.contact.limits import barrier_range, barrier_stiffness
+from bilayer.contact.several import SkinBarrier
 from bilayer.contact.skin import BondedBody
 from bilayer.contact.skin_map import SkinMap
+from bilayer.contact.specimen_obstacles import with_obstacles
 from bilayer.geometry.alignment import align, best_rotation, move_onto_held_points
+from bilayer.geometry.surface import Surface
 from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.parts import clamped_edges, supported_coordinates
 from bilayer.mesh.planar import PlanarMesh, flat_surface
@@ -135,6 +138,8 @@ class SpecimenShell:
         held = supported_coordinates(self.specimen, self.mesh)
         clamped = clamped_edges(self.specimen, self.mesh)
         pins = pins_besides(self.mesh.points, held, clamped, self._held_nodes)
+        if self.specimen.is_laid:
+            pins = pins[pins[:, 1] < 2]
         return np.concatenate([held, pins]) @ np.array([3, 1])
 
     @property
@@ -226,15 +231,18 @@ class SpecimenShell:
         return SkinMap.of(self._bonded_body(UNSTRETCHED))
 
     @cached_property
-    def _barrier(self) -> Barrier:
+    def _barrier(self) -> SkinBarrier:
         limits = self._contact_limits
         assert limits is not None
-        return Barrier.of(
+        flat = flat_surface(self.mesh).points
+        itself = Barrier.of(
             self._skin,
-            flat_surface(self.mesh).points,
+            flat,
             range=barrier_range(self.specimen, limits.range),
             stiffness=barrier_stiffness(self.specimen),
         )
+        skin = Surface(self._skin.points(flat), self._skin.triangles)
+        return with_obstacles(itself, self.specimen, skin)
 
     def _bonded_body(self, stretch: StretchPair) -> BondedBody:
         """Return the layers at their heights over the model's surface."""

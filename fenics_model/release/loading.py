@@ -190,6 +190,8 @@ class SolidLoading:
         coordinates = supported_coordinates(self._specimen, planar)
         clamped = clamped_edges(self._specimen, planar)
         pins = pins_besides(planar.points, coordinates, clamped, nodes)
+        if self._specimen.is_laid:
+            pins = pins[pins[:, 1] < 2]  # the table holds it across
         surface = volume.reference_surface
         held = [bc for support in self._specimen.supports for bc in self._supported(support)]
         return held + self._solid.held_points([(surface[node], axis) for node, axis in pins])

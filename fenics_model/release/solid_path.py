@@ -229,7 +229,7 @@ class SolidPath:
         self.body = make_solid(specimen, mesh, settings, comm)
         self.loads = LoadSchedule(
             scales=[load.scale for load in specimen.loads],
-            weight_way=WEIGHT_WAY if specimen.gravity else 0.0,
+            weight_way=_weight_way(specimen),
         )
         self.mesh, self.comm = mesh, comm
         self.contact = make_contact(self.body)
@@ -376,7 +376,7 @@ class SolidPath:
         found = self._shapes.take_shapes(begin, target)
         if not found and len(self.loads.milestones) == 1:
             found = [self._shapes.take_nearest(target)]
-        if self.body.specimen.supports:
+        if self.body.specimen.supports or self.body.specimen.is_laid:
             return {goal - shape.remaining: shape.shape for shape in found}
         return {
             goal - shape.remaining: move_onto_held_points(
@@ -433,3 +433,8 @@ class SolidPath:
             return whole
         touching = [None if found is None else found.touching for found in details]
         return whole.merge(contact_dataset(touching, len(self.mesh.triangles), count))
+
+
+def _weight_way(specimen: Specimen) -> float:
+    """Return the way over which the weight comes on; what lies on a table has it at once."""
+    return WEIGHT_WAY if specimen.gravity and not specimen.is_laid else 0.0
