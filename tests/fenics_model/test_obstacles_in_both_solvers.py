@@ -72,9 +72,10 @@ def test_the_sheet_stands_on_its_corners(mesh, shell, solid):
         assert heights[middle] > heights[corners].max() + 1e-3
         assert np.ptp(heights[corners]) < 0.05e-3
     pressure = solid["contact_pressure"].values[0]
-    touched = np.isin(mesh.triangles, np.flatnonzero(corners)).any(axis=1)
-    on_faces = pressure * mesh.areas
-    assert on_faces[touched].sum() > 0.8 * on_faces.sum()
+    pressed = mesh.points[mesh.triangles[pressure > 0]].mean(axis=1)
+    ways = pressed[:, None] - mesh.points[corners]
+    assert 0 < len(pressed) < len(mesh.triangles)
+    assert np.linalg.norm(ways, axis=2).min(axis=1).max() < 10e-3
 
 
 def test_a_ball_props_up_one_end(sheet, mesh):
