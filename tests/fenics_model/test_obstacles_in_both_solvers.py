@@ -63,7 +63,7 @@ def test_the_table_carries_the_weight(request, sheet, mesh, solver, balance):
     assert result["contact_crosses"].values[0] == 0
 
 
-def test_the_sheet_stands_on_its_corners(mesh, shell, solid):
+def test_the_sheet_stands_on_its_rim(mesh, shell, solid):
     far = np.abs(mesh.points).sum(axis=1)
     corners, middle = far > far.max() * 0.999, mesh.centre_node
     assert corners.sum() == 4
@@ -72,10 +72,10 @@ def test_the_sheet_stands_on_its_corners(mesh, shell, solid):
         assert heights[middle] > heights[corners].max() + 1e-3
         assert np.ptp(heights[corners]) < 0.05e-3
     pressure = solid["contact_pressure"].values[0]
-    pressed = mesh.points[mesh.triangles[pressure > 0]].mean(axis=1)
-    ways = pressed[:, None] - mesh.points[corners]
+    pressed = mesh.triangles[pressure > 0]
+    on_rim = (np.abs(mesh.points) > (1 - 1e-6) * np.abs(mesh.points).max(axis=0)).any(axis=1)
     assert 0 < len(pressed) < len(mesh.triangles)
-    assert np.linalg.norm(ways, axis=2).min(axis=1).max() < 10e-3
+    assert on_rim[pressed].any(axis=1).all()
 
 
 def test_a_ball_props_up_one_end(sheet, mesh):
