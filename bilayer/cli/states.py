@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from bilayer.cli.outputs import check_output
-from bilayer.cli.parser import add_verb
+from bilayer.cli.parser import add_json_argument, add_verb
 from bilayer.cli.specimen_arguments import (
     add_specimen_arguments,
     read_mesh_argument,
@@ -15,11 +15,12 @@ from bilayer.landscape.confirm import confirm
 from bilayer.landscape.report import describe_search, states_table
 from bilayer.landscape.search import STARTS, states
 from bilayer.results.files import check_result_output, open_result, write_result
+from bilayer.results.records import result_record
 from bilayer.results.report import law_warnings
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank
-from bilayer.runtime.terminal import say
+from bilayer.runtime.terminal import say, say_json
 from bilayer.solvers.registry import SOLVERS, settings_class
 from bilayer.specimen.settings import settings_from, split_solver_settings
 
@@ -54,6 +55,7 @@ def add(verbs: Any) -> None:
         "--confirm", choices=[name for name in SOLVERS if name != "dshell"],
         help="start this solver from each state, and say whether it has it, too",
     )  # fmt: skip
+    add_json_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -85,6 +87,8 @@ def run(options: argparse.Namespace) -> int:
             found = confirm(found, options.confirm, progress=progress)
         if output is not None:
             write_result(found, output)
-    if not options.quiet:
+    if options.json:
+        say_json({**result_record(found), "search": describe_search(found)})
+    elif not options.quiet:
         say("\n".join([states_table(found), describe_search(found), *law_warnings(found)]))
     return 0

@@ -130,6 +130,13 @@ def test_a_fit_as_json(folder, capsys):
     assert all(isfinite(constant["value"]) for constant in told["constants"])
 
 
+def test_states_as_json(folder, capsys):
+    words = ["states", "dome.toml", "--mesh-size", "0.02", "--prestretch", "1.03", "--starts", "1"]
+    told = json_of(capsys, *words, "--quiet")
+    assert told["search"].startswith("1 state from 1 start")
+    assert told["milestones"][0]["height"] > 0
+
+
 def options_of(verb):
     (verbs,) = [a for a in _parser([verb])._actions if isinstance(a, argparse._SubParsersAction)]
     return verbs.choices[verb]._actions
