@@ -114,13 +114,11 @@ def _part(field: str, given: Any) -> Part:
         for text in _list(given.get(measured, []))
     ]
     point = given.get("point")
+    place = None if point is None else _quantity(f"{field}.point", point, "m")
+    line = _quantity(f"{field}.line", given.get("line", []), "m")
     with fields_of(field):
-        return Part(
-            given.get("on", "sheet"),
-            tuple(limits),
-            None if point is None else _quantity(f"{field}.point", point, "m"),
-            _quantity(f"{field}.line", listed("line", given.get("line", [])), "m"),
-        )
+        line = tuple(listed("line", line))
+        return Part(given.get("on", "sheet"), tuple(limits), place, line)
 
 
 def _limit(field: str, measured: str, text: Any) -> Limit:

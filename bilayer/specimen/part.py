@@ -86,8 +86,8 @@ class Part:
         if self.point is not None:
             object.__setattr__(self, "point", _place("point", self.point))
         object.__setattr__(self, "line", tuple(_place("line", place) for place in self.line))
-        if len(self.line) == 1:
-            raise InputError(f"line = {shown(self.line)}: expected at least two points")
+        if self.line and len(set(self.line)) == 1:
+            raise InputError(f"line = {shown(self.line)}: expected at least two different points")
         if self.on != "sheet" and (self.line or self.point is not None):
             raise InputError(f"on = {self.on!r}: not together with a point or a line")
         if self.point is not None and (self.line or self.limits):

@@ -126,6 +126,8 @@ def test_a_short_file_may_have_them_too():
         (("[loads.pull]", "[loads.steps]"), "loads.steps: expected another name"),
         (('line_force = "1 N/m"', 'pressure = "1 Pa"'), "loads.pull.direction: a pressure has"),
         (("[loads.poke]", '[loads."a b"]'), "loads.'a b': expected a name"),
+        (('["0 mm", 0]', '["0 N", 0]'), r"^loads.poke.where.point = '0 N': expected a length"),
+        (('[["5 mm", "-10 mm"], ["5 mm", "10 mm"]]', "[[0, 0], [0, 0]]"), "two different points"),
         (('["0 mm", 0]', "[0]"), r"loads.poke.where.point = \[0\]: expected \[x, y\]"),
     ],
 )  # fmt: skip

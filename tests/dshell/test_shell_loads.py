@@ -134,6 +134,19 @@ def test_a_buckled_strip_is_pushed_through_both_limit_points(snapped):
     assert free == pytest.approx([STRIP.rise, -STRIP.rise, STRIP.rise], rel=0.01)
 
 
+def test_a_run_under_loads_that_was_stopped_goes_on_as_if_it_had_not_been(snapped, tmp_path):
+    def stop(step):
+        if step.is_at_target and step.index == 4:
+            raise KeyboardInterrupt
+
+    strip, output = buckled_strip.specimen(3e-3), tmp_path / "snap.nc"
+    with pytest.raises(KeyboardInterrupt):
+        solve(strip, "dshell", observers=[stop], output=output)
+    again = solve(strip, "dshell", output=output, resume=output)
+    for name in ("position", "response_poke", "response_push", "displacement_poke"):
+        assert np.array_equal(again[name].values, snapped[name].values)
+
+
 def test_a_dead_force_snaps_where_displacement_control_has_its_greatest_force():
     text = buckled_strip.FILE.read_text(encoding="utf-8")
     begin = text.index("displacement = [\n")
