@@ -11,6 +11,7 @@ from bilayer.errors import InputError
 from bilayer.results.files import open_result
 from bilayer.results.records import result_record
 from bilayer.results.report import provenance
+from bilayer.results.schema import TIMES_FOUND
 from bilayer.runtime.terminal import one_line, say, say_json
 from bilayer.solvers.registry import SOLVERS
 from bilayer.solvers.rerun import result_settings, solve_command
@@ -51,6 +52,12 @@ def _to_run_again(path: str, result: xr.Dataset) -> str:
         command = one_line(solve_command(result, path))
     except InputError as error:  # of another version, or more than settings
         return f"\nIt is not run again as it stands: {one_line(error)}"
+    if TIMES_FOUND in result:
+        return (
+            "\nTo search again:\n"
+            f"  bilayer info {file} --specimen > again.toml\n"
+            f"  bilayer states again.toml --mesh {file} -o again.nc"
+        )
     return (
         "\nTo run it again, with the versions above:\n"
         f"  bilayer rerun {file}\n"

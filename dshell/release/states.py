@@ -73,6 +73,7 @@ class ShellStateFinder:
         self._stretch: Milestone = stretch
         self._body = shell.body(stretch)
         self._limits = path.limits_at(stretch, ITERATIONS)
+        self._force_scale = path.force_scale_at(stretch)
         areas = flat_surface(shell.mesh).node_areas
         self._areas, self._weights = areas, areas / areas.sum()
 
@@ -252,7 +253,7 @@ class ShellStateFinder:
                 yield from self._stable_from(self._downhill(pushed.state), modes // 2)
 
     def _equilibrium(self, found: Outcome, modes: int = 0) -> ShellEquilibrium:
-        residual = found.residual / self._limits.tolerance
+        residual = found.residual / self._force_scale
         state = ShellState(
             self._stretch, found.state, residual, modes, 1.0, ShellEffort(found.iterations, 1)
         )

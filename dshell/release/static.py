@@ -203,8 +203,12 @@ class StaticPath(Generic[Load]):
 
     def limits_at(self, load: Load, iterations: int) -> NewtonLimits:
         """Return the limits of a search for equilibria under a load."""
-        scale = self._force_scale(self._problem.body(load), load)
-        return self._newton_limits(scale, min(iterations, self._limits.iterations))
+        few = min(iterations, self._limits.iterations)
+        return self._newton_limits(self.force_scale_at(load), few)
+
+    def force_scale_at(self, load: Load) -> float:
+        """Return the force that residuals under a load are relative to, N."""
+        return self._force_scale(self._problem.body(load), load)
 
     def _arrived(self, found: ShellState[Load], share: float) -> ShellState[Load]:
         self._here = replace(found, share=share, effort=self._spent())

@@ -140,6 +140,7 @@ def test_states_are_a_result_that_everything_reads(found, tmp_path):
     assert states.sizes["start"] == FEW and states.attrs["starts_asked"] == FEW
     assert (states["unstable_modes"] == 0).all() and (states["least_stiffness"] > 0).all()
     assert states["symmetry_turns"].values[0] in (1, 5)
+    assert (states["residual"] < 1e-8).all()
     titles = [shape.title for shape in released_shapes(states, result_mesh(states))]
     assert titles[0] == f"0: {1e3 * energy[0]:.4f} mJ"
     table = states_table(states)
