@@ -13,6 +13,7 @@ import numpy as np
 from bilayer.errors import ComputationError
 from bilayer.results.schema import UNKNOWN_STABILITY
 from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome
+from fenics_model.branches.gradient_flow import FlowOutcome
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.path.guide import Guide
 from fenics_model.path.predictor import Predictor
@@ -168,8 +169,10 @@ class Continuation:
         take_step = self._take_load_step if guided is None else self._follow_guide
         outcome = take_step(there, accepted, reference)
         if not outcome.converged:
-            self._stop_if_stuck(there, outcome)
-            return None
+            resort = self._flow_on(goal) if self.control.is_exhausted else None
+            if resort is None:
+                self._stop_if_stuck(there, outcome)
+            return resort
         share = 1.0 if at_goal else self._share(there)
         found = LoadPoint(there, share, outcome.state, Effort(), outcome.residual / reference)
         if at_goal:
@@ -270,6 +273,10 @@ class Continuation:
         """Return the stable equilibrium that the body flows to from the guide's shape."""
         assert self._guide is not None
         flowed = self._guide.flow_from_shape(found.parameter, accepted, reference, "unstable")
+        return self._rest_of(flowed, found, reference)
+
+    def _rest_of(self, flowed: FlowOutcome, found: LoadPoint, reference: float) -> LoadPoint | None:
+        """Return a goal at the end of a flow; None if it has found no stable equilibrium."""
         self._effort += flowed.effort
         rest = flowed.equilibrium
         if rest is None:
@@ -279,6 +286,23 @@ class Continuation:
         return replace(
             found, state=rest.state, residual=rest.residual / reference, unstable_modes=modes
         )
+
+    def _flow_on(self, goal: float) -> LoadPoint | None:
+        """Return the goal if a flow from the guide's shape, begun before, leads there after all."""
+        if self._guide is None:
+            return None
+        self._load(goal)
+        undeformed = self._newton.residual_norm(self._newton.solid.undeformed)
+        reference = max(undeformed, self._tolerances.least_reference)
+        flowed = self._guide.flow_on(goal, self._tolerances.goal * reference, reference)
+        if flowed is None:
+            return None
+        here = LoadPoint(goal, 1.0, flowed.state, Effort(), math.nan)
+        found = self._rest_of(flowed, here, reference)
+        if found is not None:
+            self._change_branch(goal, found.state)
+            self._record_equilibrium(found)
+        return found
 
     def _count_modes(self, factors: Factors) -> int:
         return unstable_modes(factors, self._newton.solid.number_of_pressures)

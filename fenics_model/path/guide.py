@@ -45,6 +45,8 @@ class GuideRule:
         New tangents after which a solution has failed. Load steps instead would take more.
     flow_steps : int
         Time steps of a flow from a shape.
+    further_flows : int
+        Flows that go on from its end where no load step leads on.
     """
 
     far_from_balance: float = 0.5
@@ -54,6 +56,7 @@ class GuideRule:
     longest_way: float = LONGEST_WAY
     iteration_limit: int = 6
     flow_steps: int = 100
+    further_flows: int = 3
 
 
 class Guide:
@@ -91,6 +94,7 @@ class Guide:
         self._rule = GuideRule() if rule is None else rule
         self._shapes: dict[float, Array] = {}
         self._states: dict[float, State] = {}
+        self._unfinished: tuple[float, State] | None = None
         self.defects: list[tuple[float, Array]] = []
         self.is_trusted = True
         self.rejected: list[tuple[float, str]] = []
@@ -103,7 +107,7 @@ class Guide:
         shapes : mapping of float to (n, 3) array of float
             The reference surface by path parameter, m, where the solid is held.
         """
-        self._shapes, self._states = dict(shapes), {}
+        self._shapes, self._states, self._unfinished = dict(shapes), {}, None
 
     def restore(
         self,
@@ -196,7 +200,21 @@ class Guide:
         )
         if flowed.equilibrium is None:
             self.reject_shape(there, reason)
+            self._unfinished = there, flowed.state
         return flowed
+
+    def flow_on(self, there: float, accepted: float, reference: float) -> FlowOutcome | None:
+        """Continue a flow from a shape that has not come to an end; None if there is none."""
+        if self._unfinished is None or self._unfinished[0] != there:
+            return None
+        flowed, effort = FlowOutcome(self._unfinished[1], None, Effort()), Effort()
+        for _ in range(self._rule.further_flows):
+            flowed = self._flow.flow_to_equilibrium(flowed.state, accepted, reference)
+            effort += flowed.effort
+            if flowed.equilibrium is not None or flowed.unstable is not None:
+                break
+        self._unfinished = None
+        return replace(flowed, effort=effort)
 
     def _is_far_from_guess(self, before: State, predicted: State, found: State) -> bool:
         """Whether a solution is so far from its prediction that it is on another branch."""

@@ -80,6 +80,17 @@ def test_a_solution_without_factors_says_why_there_are_none():
     plate.close()
 
 
+def test_a_milestone_without_time_ends_the_run_in_words(mesh, tmp_path):
+    specimen, output = COARSE.with_milestones([1.01]), tmp_path / "run.nc"
+    stopped = solve(specimen, mesh=mesh, limit=1e-6, output=output)
+    assert stopped["converged"].values.tolist() == [0]
+    reason = "stopped at prestretch 1: the time limit for a milestone is over"
+    assert stopped.attrs["stop_reason"] == reason
+    whole = solve(specimen, mesh=mesh, output=output, resume=output)
+    alone = solve(specimen, mesh=mesh)
+    assert np.array_equal(whole["position"].values, alone["position"].values)
+
+
 def test_a_failed_run_leaves_nothing_behind(mesh):
     """Alone, after another and after a failed one the result is the same to the last bit."""
     specimen = COARSE.with_milestones([1.01, 1.02])

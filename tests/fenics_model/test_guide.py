@@ -141,3 +141,31 @@ def test_the_shell_does_not_start_from_the_shell(mesh):
         solve(COARSE, "dshell", mesh=mesh, start="shell")
     with pytest.raises(InputError, match="start"):
         solve(COARSE, "fenics", mesh=mesh, start="flatt")
+
+
+@needs_dolfinx
+@pytest.mark.parametrize("further", [0, 3])
+def test_a_flow_goes_on_where_no_load_step_leads(shell, stepped, mesh, monkeypatch, further):
+    """From the mirror image the first flow gets two steps, and load steps are made to fail."""
+    from fenics_model.path import continuation, guide
+
+    rule = guide.GuideRule(iteration_limit=1, flow_steps=2, further_flows=further)
+
+    def fail(self, there, accepted, reference):
+        self.control = replace(self.control, size=0.0)
+        return replace(
+            self._newton.solve(self.predictor.last, np.inf), converged=False, reason="no"
+        )
+
+    mirrored = shell.copy(deep=True)
+    mirrored["position"] = mirrored["position"] * [1, 1, -1]
+    monkeypatch.setattr(guide, "GuideRule", lambda: rule)
+    monkeypatch.setattr(continuation.Continuation, "_take_load_step", fail)
+    led = solve(COARSE.with_milestones([1.03]), "fenics", mesh=mesh, start=mirrored)
+    assert led["converged"].values.tolist() == [int(further > 0)]
+    assert "; not followed to 1.03 (" in led.attrs["start"]
+    if further:
+        assert led["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
+        assert led["unstable_modes"].values.tolist() == [0]
+    else:
+        assert "no convergence (no)" in led.attrs["stop_reason"]
