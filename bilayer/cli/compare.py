@@ -30,6 +30,10 @@ def add(verbs: Any) -> None:
         help="also find the value with which the shape fits a scan best: prestretch, "
         "substrate.thickness, kirigami.material.c10, ...",
     )  # fmt: skip
+    verb.add_argument(
+        "--profile", action="store_true",
+        help="the scan is a profile: a table of the upper edge seen from the side, right and up",
+    )  # fmt: skip
     add_trust_argument(verb)
     verb.add_argument("-o", "--output", metavar="FIGURE", help="also draw the comparison")
     add_json_argument(verb)
@@ -41,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import check_figure_output
 
     check_output(options, check_figure_output)
+    if options.profile:
+        return _compare_profile(options)
     if Path(options.other).suffix.lower() != ".nc":
         return _compare_scan(options)
     if options.fit is not None:
@@ -56,6 +62,17 @@ def run(options: argparse.Namespace) -> int:
         say(comparison_table(comparison))
     if options.output is not None:
         save_figure(draw_comparison(comparison), options.output)
+    return 0
+
+
+def _compare_profile(options: argparse.Namespace) -> int:
+    from bilayer.scan.profile import compare_profile, profile_table, read_profile
+
+    if options.fit is not None or options.output is not None or options.json:
+        raise InputError("--profile: a table alone, expected no --fit, --output or --json")
+    unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
+    matches = compare_profile(open_result(options.result), read_profile(options.other, unit))
+    say(profile_table(matches))
     return 0
 
 

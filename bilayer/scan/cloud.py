@@ -82,7 +82,7 @@ def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
     source, unit = Path(path), positive("unit", unit, "m")
     ending = source.suffix.lower()
     if ending in TABLES:
-        return Cloud(source.name, unit * _table(source))
+        return Cloud(source.name, unit * read_table(source))
     if ending not in MESHES:
         raise InputError(f"scan {source}: expected a name in {', '.join((*MESHES, *TABLES))}")
     mesh, _ = read_mesh_file(source)
@@ -95,8 +95,11 @@ def read_cloud(path: str | Path, unit: float = 1e-3) -> Cloud:
     return Cloud(source.name, unit * even_samples(Surface(points, triangles), MOST_POINTS).points)
 
 
-def _table(path: Path) -> Array:
-    """Return the first three columns of a table of numbers, shape (n, 3)."""
+def read_table(path: Path, columns: int = 3) -> Array:
+    """Return the first columns of a table of numbers, shape (n, columns).
+
+    Rows without a number in the last of them are left out.
+    """
     lines = read_text(path, "scan", largest=LARGEST_TABLE).splitlines()
     lines = [f"{line}nan" if line.rstrip().endswith((",", ";")) else line for line in lines]
     rows = [line.replace(";", " ").replace(",", " ").split() for line in lines]
@@ -104,11 +107,13 @@ def _table(path: Path) -> Array:
     if rows and not _is_number(rows[0][0]):
         rows = rows[1:]
     try:
-        full = [[float(value) for value in row[:3]] for row in rows]
+        full = [[float(value) for value in row[:columns]] for row in rows]
         points = np.array(full, dtype=np.float64)
         return points[~np.isnan(points[:, -1])] if points.ndim == 2 else points
     except ValueError as error:
-        raise InputError(f"scan {path}: expected x, y and z on each line ({error})") from error
+        raise InputError(
+            f"scan {path}: expected {columns} numbers on each line ({error})"
+        ) from error
 
 
 def _is_number(text: str) -> bool:

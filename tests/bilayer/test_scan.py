@@ -107,7 +107,7 @@ def test_tables_of_points_are_read(tmp_path, text):
     [
         ("a.doc", "", "expected a name in .stl"),
         ("a.csv", "x,y\n1,2\n", "expected at least 20 points"),
-        ("a.csv", "1,2,three\n", "expected x, y and z on each line"),
+        ("a.csv", "1,2,three\n", "expected 3 numbers on each line"),
         ("a.csv", "nan,1,2\n" * 30, "finite coordinates"),
         ("a.stl", "solid nothing", "expected at least 20 points"),
     ],
