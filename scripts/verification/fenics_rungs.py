@@ -5,9 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from bilayer import solve
+from fenics_model.settings import SolidSettings
 from verification import (
     clamped_plate,
     inflated_membrane,
+    lying_sheet,
     solid_derivatives,
     solid_discs,
     solid_states,
@@ -123,6 +125,10 @@ def heavy_strip() -> Iterator[Check]:
         yield Check(f"q L^3 / D = {weight:g}: drop / L", found, drop, 0.01)
 
 
+def sheet_on_a_table() -> Iterator[Check]:
+    yield from lying_sheet.lying_sheet("fenics", SolidSettings(contact="barrier"), 1e-8)
+
+
 def energies() -> Iterator[Check]:
     for name, pair in solid_derivatives.PAIRS.items():
         strained = solid_derivatives.strained_solid(pair)
@@ -228,6 +234,12 @@ FENICS_RUNGS = (
         19, SOLID, "Inflated circular membrane",
         inflated_membrane.WORDS + " Its rise against that of the shell on a mesh of 1 mm.",
         membrane,
+    ),
+    Rung(
+        20, SOLID, "Heavy sheet on a table",
+        "examples/on_a_table.toml at 1.02, a mesh of 8 mm: it stands on its rim, and the table bears "
+        "its weight.",
+        sheet_on_a_table,
     ),
     Rung(
         24, SOLID, "Homogeneous states of every law",
