@@ -237,8 +237,8 @@ FENICS_RUNGS = (
     ),
     Rung(
         20, SOLID, "Heavy sheet on a table",
-        "examples/on_a_table.toml at 1.02, a mesh of 8 mm: it stands on its rim, and the table bears "
-        "its weight.",
+        "examples/on_a_table.toml at 1.02, a mesh of 8 mm: it stands on its rim, and the table "
+        "bears its weight.",
         sheet_on_a_table,
     ),
     Rung(
