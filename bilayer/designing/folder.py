@@ -9,7 +9,9 @@ there, in their order, and computes the rest: it ends as the first one would hav
 """
 
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -17,11 +19,13 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.errors import InputError, NotResumableError
+from bilayer.errors import ComputationError, InputError, NotResumableError
 from bilayer.runtime.input_file import name_of_open_file, open_input, read_text
 from bilayer.runtime.output_file import remove_leftovers, whole_file
+from bilayer.runtime.system import lock_alone
 
 LARGEST = 2**31
+LOCK = ".lock"
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -46,6 +50,25 @@ class DesignFolder:
         except OSError as error:
             reason = error.strerror or error
             raise InputError(f"design folder {path}: cannot be made ({reason})") from error
+
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """Hold the folder for one run at a time.
+
+        Raises
+        ------
+        ComputationError
+            Another one runs in it.
+        """
+        descriptor = os.open(self.path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            if not lock_alone(descriptor):
+                raise ComputationError(
+                    f"design folder {self.path}: another run is in it; end that one, or wait for it"
+                )
+            yield
+        finally:
+            os.close(descriptor)
 
     def claim(self, identity: str) -> None:
         """Say which task the folder is of; InputError if it is another one's."""

@@ -175,8 +175,9 @@ def design(
     """
     wanted = task if isinstance(task, DesignTask) else read_design(task)
     held = DesignFolder(folder)
-    held.claim(wanted.identity)
-    return _Design(wanted, held, progress, observer).run()
+    with held.lock():
+        held.claim(wanted.identity)
+        return _Design(wanted, held, progress, observer).run()
 
 
 class _Design:

@@ -32,6 +32,8 @@ def draw_target(shape: Surface, target: Surface, distances: Array) -> Figure:
         Of the shape's triangles from the target, m.
     """
     largest = MM_PER_M * float(distances.max()) or 1.0
+    arms = [surface.points - surface.centroid for surface in (shape, target)]
+    reach = 1.02 * MM_PER_M * max(float(np.linalg.norm(arm, axis=1).max()) for arm in arms)
     with print_style():
         figure = new_figure(7.0, 5.2)
         panels = figure.subplots(2, 2)
@@ -39,6 +41,9 @@ def draw_target(shape: Surface, target: Surface, distances: Array) -> Figure:
             beside, on = row
             _fill(beside, target, view, np.full(len(target.triangles), np.nan), largest)
             drawn = _fill(on, shape, view, MM_PER_M * distances, largest)
+        for axes in panels.flat:
+            axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+            axes.set_axis_off()
         panels[0, 0].set_title("target")
         panels[0, 1].set_title("shape")
         figure.colorbar(drawn, ax=panels, label="distance from the target (mm)", shrink=0.7)
@@ -57,8 +62,6 @@ def _fill(
     drawn.set_clim(0.0, largest)
     drawn.cmap.set_bad("0.85")
     axes.add_collection(drawn)
-    axes.autoscale_view()
-    axes.set(aspect="equal", xticks=[], yticks=[])
     return drawn
 
 

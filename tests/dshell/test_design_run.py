@@ -9,9 +9,10 @@ import pytest
 from designing_task import small_task
 
 import bilayer
-from bilayer import InputError, design
+from bilayer import ComputationError, InputError, design
 from bilayer.cli.main import main
 from bilayer.designing import targets
+from bilayer.designing.folder import DesignFolder
 from bilayer.designing.scenarios import Robustness
 from bilayer.designing.trust_region import Limits
 from bilayer.errors import NotResumableError
@@ -79,6 +80,11 @@ def test_a_finished_design_is_not_computed_again(run, task, monkeypatch):
 def test_the_folder_of_another_design_is_refused(run, task):
     with pytest.raises(InputError, match="another design"):
         design(replace(task, least_gap=1e-3), run[1])
+
+
+def test_two_runs_do_not_share_a_folder(run, task):
+    with DesignFolder(run[1]).lock(), pytest.raises(ComputationError, match="another run"):
+        design(task, run[1])
 
 
 def test_a_damaged_file_is_named(run, task, tmp_path):
