@@ -195,6 +195,9 @@ class Guide:
 
         The shape is rejected if that fails, too, for the reason why the step did.
         """
+        if self._newton.passes_through(self._guess):  # a flow from there would stay so
+            self.reject_shape(there, reason)
+            return FlowOutcome(self._guess, None, Effort())
         flowed = self._flow.flow_to_equilibrium(
             self._guess, accepted, reference, step_limit=self._rule.flow_steps
         )

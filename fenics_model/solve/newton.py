@@ -413,6 +413,10 @@ class Newton:
     def set_out_from(self, state: State) -> None:
         """Take note of where the body is; how it came there matters if it may touch itself."""
 
+    def passes_through(self, state: State) -> bool:
+        """Whether the body passes through itself, or through anything, where it may not."""
+        return False
+
     def touches(self, state: State) -> bool:
         """Whether the body presses on itself, or on anything, in a state."""
         return False

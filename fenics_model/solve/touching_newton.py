@@ -138,6 +138,10 @@ class TouchingNewton(Newton):
         """See `Newton`."""
         self._here = state
 
+    def passes_through(self, state: State) -> bool:
+        """See `Newton`."""
+        return self._contact.barrier.is_crossed(self._contact.points(state))
+
     def touches(self, state: State) -> bool:
         """See `Newton`."""
         return self._contact.at(state).pairs > 0
