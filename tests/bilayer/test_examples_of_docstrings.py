@@ -8,6 +8,7 @@ import bilayer
 
 NAMES = [name for name in bilayer.__all__ if callable(getattr(bilayer, name))]
 SKIPPED = {
+    "fit_to_scan": "the file of a scan",
     "open_study": "a folder that a study has filled",
     "run_study": "processes of its own, which import the script that starts them",
 }

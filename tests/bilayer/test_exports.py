@@ -17,7 +17,9 @@ from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import write_result
 from bilayer.results.schema import MilestoneState
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+EXAMPLES = sorted(
+    (Path(__file__).parents[2] / "examples").glob("[!d]*.toml")
+)  # all but files of designs
 pyvista = pytest.importorskip("pyvista")
 trimesh = pytest.importorskip("trimesh")
 

@@ -61,7 +61,7 @@ def test_odd_surroundings_change_no_number_and_stop_no_figure(tmp_path, monkeypa
         "1.03",
     ]
     (tmp_path / ".petscrc").write_text("-help\n-nonsense\n")
-    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nnonsense: 3\nfont.size: 40\n")
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nnonsense: 3\n")
     odd = command(*solve, "-o", "odd.nc", cwd=tmp_path, **ODD)
     told = "bilayer: TMPDIR = /gone: is no folder; /tmp is taken\n"
     assert (odd.returncode, odd.stderr) == (0, told)

@@ -27,7 +27,7 @@ def shell_of(law):
     specimen = sheet_of(Rectangle(0.03, 0.02), layers, (STRETCH,))
     mesh = generate_mesh(specimen)
     settings = MorleySettings()
-    return SpecimenShell(specimen, mesh, lambda s: MorleyModel(s, mesh, settings), 1e-8)
+    return SpecimenShell(specimen, mesh, lambda s, m: MorleyModel(s, m, settings), 1e-8)
 
 
 LAWS = {name: case.law for name, case in LAW_CASES.items()} | {"linear": LinearElastic(1e5, 0.4)}

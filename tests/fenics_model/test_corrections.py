@@ -65,7 +65,7 @@ def plate():
 def test_fewer_tangents_come_to_the_same_state(plate):
     guess = plate.flat + plate.lift(2e-4)
     each = CorrectionRule(fewest=0, most=0)  # a new tangent for each correction: Newton's method
-    with newton_of(plate.solid, plate.newton._held, rule=each) as newton:
+    with newton_of(plate.solid, plate.newton.held, rule=each) as newton:
         newtons = newton.solve(guess, plate.tolerance)
     kept = plate.newton.solve(guess, plate.tolerance)
     assert newtons.converged
