@@ -15,6 +15,7 @@ from bilayer.mesh.drawing import TRIANGLES_PER_AREA, Drawing
 from bilayer.mesh.gmsh_session import gmsh_session
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.mesh.sector_disc import SectorDisc
+from bilayer.mesh.validity import doubled_areas_and_longest_sides
 from bilayer.runtime.memory import available_memory
 from bilayer.specimen.specimen import Specimen
 
@@ -162,9 +163,7 @@ def generate_mesh(specimen: Specimen) -> PlanarMesh:
 
 def _check_flatness(corners: NDArray[np.float64]) -> None:
     """Raise InputError if a triangle, of the corners (m, 3, 2), is too flat for any solver."""
-    sides = corners - np.roll(corners, 1, axis=1)
-    longest = np.linalg.norm(sides, axis=2).max(axis=1)
-    doubled = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    doubled, longest = doubled_areas_and_longest_sides(corners)
     height = np.abs(doubled) / longest
     flattest = int(np.argmin(height / longest))
     if height[flattest] < FLATTEST * longest[flattest]:

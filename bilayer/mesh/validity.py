@@ -74,12 +74,24 @@ def _check_none_isolated(count: int, triangles: Indices) -> None:
         )
 
 
-def _check_shapes(points: NDArray[np.float64], triangles: Indices) -> None:
-    corners = points[triangles]
+def doubled_areas_and_longest_sides(
+    corners: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return twice the areas, m2, negative if clockwise, and the longest sides, m, of triangles.
+
+    Parameters
+    ----------
+    corners : (m, 3, 2) array of float
+        Of each triangle, m.
+    """
     sides = corners - np.roll(corners, 1, axis=1)
     doubled = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
-    longest = (sides**2).sum(axis=2).max(axis=1)
-    flat = np.flatnonzero(np.abs(doubled) <= SLIVER * longest)
+    return doubled, np.linalg.norm(sides, axis=2).max(axis=1)
+
+
+def _check_shapes(points: NDArray[np.float64], triangles: Indices) -> None:
+    doubled, longest = doubled_areas_and_longest_sides(points[triangles])
+    flat = np.flatnonzero(np.abs(doubled) <= SLIVER * longest**2)
     if len(flat):
         raise InputError(
             f"{_named(triangles, flat[0])} is degenerate, its area is "

@@ -66,8 +66,9 @@ def need_open_files() -> None:
     MachineError
         If the limit of open files is below `OPEN_FILES`.
     """
-    if most_open_files() < OPEN_FILES:
+    most = most_open_files()
+    if most < OPEN_FILES:
         raise MachineError(
-            f"only {most_open_files()} files may be open at once here, {OPEN_FILES} are needed: "
+            f"only {most} files may be open at once here, {OPEN_FILES} are needed: "
             f"ulimit -n {OPEN_FILES}"
         )

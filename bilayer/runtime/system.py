@@ -89,12 +89,7 @@ def address_space_left(used: int) -> float:
     float
         Infinite if there is no limit.
     """
-    try:
-        import resource
-    except ImportError:  # Windows
-        return math.inf
-    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
-    return math.inf if soft == resource.RLIM_INFINITY else soft - used
+    return _limit("RLIMIT_AS") - used
 
 
 def most_open_files() -> float:
@@ -105,11 +100,16 @@ def most_open_files() -> float:
     float
         Infinite if there is no limit.
     """
+    return _limit("RLIMIT_NOFILE")
+
+
+def _limit(name: str) -> float:
+    """Return the limit of this process that holds now (not what it may be raised to)."""
     try:
         import resource
     except ImportError:  # Windows
         return math.inf
-    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    soft, _ = resource.getrlimit(getattr(resource, name))
     return math.inf if soft == resource.RLIM_INFINITY else soft
 
 

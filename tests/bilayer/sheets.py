@@ -1,6 +1,7 @@
 """Outlines, patterns and specimens of every kind, for the tests of several modules."""
 
 import math
+from pathlib import Path
 
 from bilayer import (
     Cross,
@@ -20,6 +21,9 @@ from bilayer import (
     Specimen,
 )
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLE_SPECIMENS = sorted(set(EXAMPLES.glob("*.toml")) - set(EXAMPLES.glob("design_*.toml")))
+"""Files of the examples that are specimens: all but those of designs."""
 MATERIAL = MooneyRivlin.from_moduli(116_250.0, 0.49)
 
 

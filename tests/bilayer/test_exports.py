@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from made_results import cap_result
 from shapes import cap
+from sheets import EXAMPLE_SPECIMENS
 
 import bilayer
 from bilayer import ComputationError, InputError
@@ -17,9 +18,6 @@ from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import write_result
 from bilayer.results.schema import MilestoneState
 
-EXAMPLES = sorted(
-    (Path(__file__).parents[2] / "examples").glob("[!d]*.toml")
-)  # all but files of designs
 pyvista = pytest.importorskip("pyvista")
 trimesh = pytest.importorskip("trimesh")
 
@@ -75,7 +73,7 @@ def example_result(path: Path):
     return build_result(specimen, mesh, [MilestoneState(position, True, 1.0)], made_by)
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EXAMPLE_SPECIMENS, ids=lambda path: path.stem)
 def test_the_solid_of_every_example_is_closed_and_turned_outward(path, tmp_path):
     result = example_result(path)
     specimen, mesh = bilayer.result_specimen(result), bilayer.result_mesh(result)

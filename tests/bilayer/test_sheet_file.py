@@ -5,10 +5,9 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-from sheets import OUTLINES, PATTERNS, bilayer, trilayer
+from sheets import EXAMPLE_SPECIMENS, EXAMPLES, OUTLINES, PATTERNS, bilayer, trilayer
 
 from bilayer import (
     CutPattern,
@@ -24,7 +23,6 @@ from bilayer import (
 )
 from bilayer.specimen.toml import template
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 LOTUS = EXAMPLES / "trilayer_lotus.toml"
 RADIUS = 'outer_radius = "20 mm"'
 
@@ -247,10 +245,7 @@ def test_what_belongs_to_layers_needs_layers():
         parse_specimen(template().replace("outer_radius = 0.04", "outline = { shape = 'ellipse' }"))
 
 
-SPECIMENS = sorted(EXAMPLES.glob("[!d]*.toml"))  # all but files of designs
-
-
-@pytest.mark.parametrize("path", SPECIMENS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EXAMPLE_SPECIMENS, ids=lambda path: path.stem)
 def test_the_examples_are_specimens(path):
     sheet = read_specimen(path)
     assert parse_specimen(specimen_to_toml(sheet)) == sheet
