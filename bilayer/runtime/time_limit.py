@@ -15,6 +15,8 @@ from bilayer.validation import shown
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 
+_OVER = "the time limit for a milestone is over"
+
 _end: ContextVar[float] = ContextVar("end of the time", default=float("inf"))
 
 
@@ -55,7 +57,12 @@ def check_time(is_up: bool | None = None) -> None:
         What several ranks have agreed on; asked for if left out.
     """
     if time_is_up() if is_up is None else is_up:
-        raise TimeIsUpError("the time limit for a milestone is over")
+        raise TimeIsUpError(_OVER)
+
+
+def tells_of_time(words: str) -> bool:
+    """Whether the reason why a run stopped is that its time was over."""
+    return _OVER in words
 
 
 def read_duration(name: str, word: str) -> float:

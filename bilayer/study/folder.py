@@ -27,6 +27,7 @@ from bilayer.runtime.input_file import read_text
 from bilayer.runtime.output_file import check_writable, remove_leftovers, whole_file
 from bilayer.runtime.system import lock_alone, lock_shared
 from bilayer.runtime.terminal import tell
+from bilayer.runtime.time_limit import tells_of_time
 from bilayer.study.case import Case
 from bilayer.study.plan import StudyPlan
 from bilayer.study.records import (
@@ -133,6 +134,9 @@ class StudyFolder:
         for left in self.cases.iterdir():
             if LEFT_BY_A_WRITER.fullmatch(left.name) and left.is_dir():
                 shutil.rmtree(left, ignore_errors=True)
+        for unfinished in self.cases.glob("*.unfinished.nc"):
+            if self.has_result(unfinished.name.partition(".")[0]):
+                self._remove_unless_resumable(unfinished)
 
     def keep_plan(self, plan: StudyPlan) -> None:
         """Write the plan: what the index and the dataset are made by.
@@ -229,7 +233,8 @@ class StudyFolder:
             self.log_not_written(case, error)
             raise
         self.failure_file(case.identity).unlink(missing_ok=True)
-        self._remove_unless_resumable(self.unfinished_file(case.identity))
+        if not tells_of_time(result.attrs["stop_reason"]):  # such a case goes on from there
+            self.unfinished_file(case.identity).unlink(missing_ok=True)
         self.remove_half_written(case)
         self.log(LOG_DONE, case, f"{seconds:.2f} s {result.attrs['stop_reason']}")
 

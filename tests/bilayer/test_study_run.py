@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -413,3 +414,16 @@ def test_the_cheapest_cases_begin_if_asked(tmp_path, first, sizes):
     plan = read_study(write_study(tmp_path, text))
     waiting = cases_to_compute(plan, StudyFolder(tmp_path / "out"), False, first)
     assert [case.specimen.mesh.size for case in waiting] == sizes
+
+
+def test_what_a_finished_case_left_unfinished_is_removed_by_the_next_start(study):
+    write, out = study
+    words = write(QUICK)
+    assert main(words) == 0
+    folder, case = StudyFolder(out), read_study(words[1]).cases[0]
+    finished, left = folder.result_file(case.identity), folder.unfinished_file(case.identity)
+    shutil.copy(finished, left)  # as if killed before it was removed
+    before = finished.stat().st_mtime_ns
+    assert main(words) == 0
+    assert not left.exists()
+    assert finished.stat().st_mtime_ns == before
