@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from bilayer.fitting.measurement import Measurement, read_measurement
     from bilayer.landscape.barrier import barrier
     from bilayer.landscape.lower import look_below
+    from bilayer.landscape.lowest import take_lowest
     from bilayer.landscape.search import states
     from bilayer.mesh.generation import generate_mesh
     from bilayer.mesh.planar import PlanarMesh
@@ -118,6 +119,7 @@ _MODULES = {
     "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
     "bilayer.landscape.barrier": ("barrier",),
     "bilayer.landscape.lower": ("look_below",),
+    "bilayer.landscape.lowest": ("take_lowest",),
     "bilayer.landscape.search": ("states",),
     "bilayer.mesh.generation": ("generate_mesh",),
     "bilayer.mesh.planar": ("PlanarMesh",),

@@ -108,6 +108,11 @@ def add(verbs: Any) -> None:
         help="look for lower states by N starts of the shell at each milestone; the file and "
         "`bilayer info` say how far the lowest lies below",
     )  # fmt: skip
+    verb.add_argument(
+        "--lowest", type=int, metavar="N",
+        help="at each milestone, take the lowest state that the load path and N starts of the "
+        "shell find (of dshell; left out: the state that the load path comes to)",
+    )  # fmt: skip
     add_json_argument(verb)
     verb.epilog = (
         f"{verb.epilog}\n\n`bilayer settings` lists what --set solver.NAME=VALUE can change."
@@ -134,6 +139,8 @@ def run(options: argparse.Namespace) -> int:
             results.append(_solved(one, options, specimen, mesh, start))
             status = max(status, _status_of(results[-1], one.settings, told=first))
     if first:
+        if options.lowest is not None:
+            results = [_take_lowest(runs[0], results[0], options)]
         if options.look_below is not None:
             results = [
                 _look_below(one, result, options) for one, result in zip(runs, results, strict=True)
@@ -152,6 +159,11 @@ def _planned(
         raise InputError(
             "--solver both: expected neither --model, --start nor --set solver.NAME, which are of "
             "one solver"
+        )
+    if options.lowest is not None and tuple(solvers) != ("dshell",):
+        raise InputError(
+            f"--lowest {options.lowest}: expected with --solver dshell alone; start the other "
+            "solver from its result by --start"
         )
     output = output_beside(options, options.specimen, ".nc")
     names = [output]
@@ -189,6 +201,18 @@ def _solved(
             resume=one.output if options.resume and one.output.exists() else None,
             limit=None if options.limit is None else read_duration("--limit", options.limit),
         )
+
+
+def _take_lowest(one: _Run, result: xr.Dataset, options: argparse.Namespace) -> xr.Dataset:
+    """Return a result in its lowest states, which is written."""
+    from bilayer.landscape.lowest import take_lowest  # what it loads is seldom needed
+
+    with progress_bar("lowest states", shown=not options.quiet) as progress:
+        lowest = take_lowest(result, starts=options.lowest, progress=progress)
+    write_result(lowest, one.output)
+    if not options.quiet:
+        tell(f"bilayer: branch: {lowest.attrs['branch']}")
+    return lowest
 
 
 def _look_below(one: _Run, result: xr.Dataset, options: argparse.Namespace) -> xr.Dataset:

@@ -202,6 +202,18 @@ def test_the_command_prints_its_states(bilayer_command, tmp_path, specimen):
     assert "--start-state 3: expected a number from 0 to 0" in bad.stderr
 
 
+def test_the_command_takes_the_lowest_state(bilayer_command, tmp_path, specimen):
+    coarse = replace(specimen, mesh=bilayer.MeshSize(0.016)).with_milestones([1.03])
+    (tmp_path / "s.toml").write_text(bilayer.specimen_to_toml(coarse))
+    done = bilayer_command("solve", "s.toml", "--lowest", 1)
+    assert done.returncode == 0, done.stderr
+    assert "branch: path" in done.stderr
+    assert bilayer.open_result(tmp_path / "s.nc")["lower_state"].values.tolist() == [0.0]
+    bad = bilayer_command("solve", "s.toml", "--lowest", 1, "--solver", "both", "-o", "t.nc")
+    assert bad.returncode == 2
+    assert "--lowest 1: expected with --solver dshell alone" in bad.stderr
+
+
 @pytest.fixture(scope="module")
 def way(thin):
     """The way from one mirror state to the other, both in one dataset."""
@@ -248,6 +260,24 @@ def test_a_result_knows_of_a_lower_state(found):
     lower = known.assign(lower_state=("prestretch", [-0.025]))
     assert describe_lower_states(lower) == ["A LOWER STATE is known at 1.15 (2.50% below)."]
     assert describe_lower_states(known.drop_vars("lower_state")) == []
+
+
+def test_the_lowest_state_takes_the_place_of_a_higher_one(specimen):
+    cut = replace(specimen.layer("kirigami").pattern, strips=6)
+    six = replace(specimen.with_layer("kirigami", pattern=cut), mesh=bilayer.MeshSize(0.016))
+    path = bilayer.solve(six, "dshell")
+    lowest = bilayer.take_lowest(path, starts=7)
+    energy, before = (result["energy"].sum("term").values for result in (lowest, path))
+    assert energy < 0.999 * before
+    assert lowest["lower_state"].values.tolist() == [0.0]
+    assert lowest["converged"].values.all() and not lowest["unstable_modes"].values.any()
+    assert lowest.attrs["branch"] == "lowest of a search at 1.15"
+    assert set(path.data_vars) <= set(lowest.data_vars)
+    again = bilayer.take_lowest(lowest, starts=1)
+    assert again.attrs["branch"] == "path"
+    np.testing.assert_array_equal(again["position"], lowest["position"])
+    with pytest.raises(InputError, match="solver = 'fenics': expected a result of dshell"):
+        bilayer.take_lowest(lowest.assign_attrs(solver="fenics"))
 
 
 def test_states_start_from_those_of_another_mesh(specimen, found):
