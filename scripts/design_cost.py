@@ -11,7 +11,7 @@ from typing import Any
 
 from bilayer import generate_mesh, read_design
 from bilayer.designing.distance import TargetDistance
-from bilayer.designing.equilibria import SheetMesh, find_shape
+from bilayer.designing.equilibria import Model, SheetMesh, find_shape
 from bilayer.solvers.registry import solver_named
 
 REPEATS = 3
@@ -34,13 +34,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("design", help="a design file")
     task = read_design(parser.parse_args().design)
-    solver = solver_named("dshell")
+    model = Model(solver_named("dshell"), task.settings)
     sheet = SheetMesh(task.specimen, generate_mesh(task.specimen))
     variables = task.variables
-    from_flat, shape = seconds(lambda: find_shape(solver, task.settings, task.specimen, sheet))
+    from_flat, shape = seconds(lambda: find_shape(model, task.specimen, sheet))
     nearby = variables.specimen(task.specimen, variables.shares_of(task.specimen) + STEP)
     saved = shape.equilibrium.save()
-    from_near, _ = seconds(lambda: find_shape(solver, task.settings, nearby, sheet, saved))
+    from_near, _ = seconds(lambda: find_shape(model, nearby, sheet, saved))
     target = TargetDistance(task.target.surface, task.target.is_size_free)
     place = target.measure_anew(shape.surface).place
     distance_time, distance = seconds(lambda: target.measure(shape.surface, place))

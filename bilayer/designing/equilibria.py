@@ -6,7 +6,7 @@ variable: no further equilibrium is computed.
 """
 
 from collections.abc import Sequence
-from contextlib import closing
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -21,21 +21,48 @@ from bilayer.designing.variables import is_of_the_sheet, value_of, with_values
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import (
     Equilibrium,
     Linearised,
+    PointsLinearised,
     Saved,
     ShapeLinearised,
     Solver,
     SpecimenPath,
+    Start,
 )
 from bilayer.specimen.specimen import Specimen
 
 Array = NDArray[np.float64]
 
-NOT_COUNTED = np.array(-1)
 SMALL_CHANGE = 1e-6
 """Of a number of the sheet, relative, for the motion of the mesh."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What computes the shapes of designs.
+
+    Parameters
+    ----------
+    solver : Solver
+        The solver.
+    settings : settings dataclass
+        Of one of its models.
+    start : Start
+        Of a shape that no shape nearby is known of.
+    nearby : settings dataclass, optional
+        Of a shape that is searched from one nearby, if not those.
+    progress : callable, optional
+        Told what is being done.
+    """
+
+    solver: Solver
+    settings: Any
+    start: Start = None
+    nearby: Any = None
+    progress: Progress | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +112,7 @@ class SheetMesh:
 
 
 class DesignShape:
-    """A design's equilibrium, live.
+    """A design's equilibrium, live until it is closed.
 
     Parameters
     ----------
@@ -104,6 +131,10 @@ class DesignShape:
     ) -> None:
         self.specimen, self._mesh = specimen, mesh
         self._path, self.equilibrium = path, equilibrium
+
+    def close(self) -> None:
+        """Free what the solver holds."""
+        self._path.close()
 
     @property
     def surface(self) -> Surface:
@@ -138,19 +169,20 @@ class DesignShape:
         """
         equations = self.linearised
         adjoint = equations.solve(equations.state_gradient(position_gradient))
-        by_points = None
-        derivatives = []
-        for name in names:
-            if is_of_the_sheet(name):
-                if by_points is None:
-                    by_points = _shape_equations(equations).points_gradient(
-                        adjoint, position_gradient
-                    )
+        of_sheet = [is_of_the_sheet(name) for name in names]
+        if any(of_sheet) and isinstance(equations, PointsLinearised):
+            by_points = equations.points_gradient(adjoint, position_gradient)
+        else:
+            by_points = None
+        derivatives: list[float] = []
+        for name, moves in zip(names, of_sheet, strict=True):
+            if moves and by_points is not None:
                 velocity = self._mesh.velocity(self.specimen, name)
                 derivatives.append(float(np.sum(by_points * velocity)))
             else:
-                direct = np.sum(position_gradient * equations.position_by(name))
-                derivatives.append(float(direct - adjoint @ equations.residual_by(name)))
+                residual, position = self._fixed_state_changes(name)
+                direct = float(np.sum(position_gradient * position))
+                derivatives.append(direct - float(adjoint @ residual))
         return np.array(derivatives)
 
     def changes(self, names: Sequence[str]) -> Array:
@@ -162,39 +194,41 @@ class DesignShape:
 
     def _change(self, name: str) -> Array:
         equations = self.linearised
-        if is_of_the_sheet(name):
-            of_shape = _shape_equations(equations)
-            velocity = self._mesh.velocity(self.specimen, name)
-            residual, position = (
-                of_shape.residual_along(velocity),
-                of_shape.position_along(velocity),
-            )
-        else:
-            residual, position = equations.residual_by(name), equations.position_by(name)
+        residual, position = self._fixed_state_changes(name)
         return position - equations.position_change(equations.solve(residual))
+
+    def _fixed_state_changes(self, name: str) -> tuple[Array, Array]:
+        """Return the derivatives of residual and position by a number, the state fixed."""
+        equations = self.linearised
+        if not is_of_the_sheet(name):
+            return equations.residual_by(name), equations.position_by(name)
+        of_shape = _shape_equations(equations)
+        velocity = self._mesh.velocity(self.specimen, name)
+        return of_shape.residual_along(velocity), of_shape.position_along(velocity)
 
 
 def _shape_equations(equations: Linearised) -> ShapeLinearised:
     if not isinstance(equations, ShapeLinearised):
-        raise InputError("solver: expected one that is differentiated by the flat sheet: 'dshell'")
+        raise InputError("solver: expected one that is differentiated by the flat sheet")
     return equations
 
 
 def find_shape(
-    solver: Solver, settings: Any, specimen: Specimen, mesh: SheetMesh, near: Saved | None = None
+    model: Model, specimen: Specimen, mesh: SheetMesh, near: Saved | None = None
 ) -> DesignShape:
-    """Return the shape of a design.
+    """Return the shape of a design; whoever asks for it closes it.
 
     Parameters
     ----------
-    solver, settings
+    model : Model
         What computes.
     specimen : Specimen
         With one milestone.
     mesh : SheetMesh
         Of a design nearby.
     near : mapping, optional
-        A saved equilibrium of a design nearby on the same moving mesh; from flat if left out.
+        A saved equilibrium of a design nearby on the same moving mesh; if left out, the model's
+        start.
 
     Raises
     ------
@@ -203,11 +237,18 @@ def find_shape(
     InputError
         The mesh cannot be moved so far.
     """
-    path = solver.open_path(
-        specimen, settings, mesh=mesh.of(specimen), start=None, comm=None, progress=None
+    path = model.solver.open_path(
+        specimen,
+        model.settings if near is None or model.nearby is None else model.nearby,
+        mesh=mesh.of(specimen),
+        start=model.start if near is None else None,
+        comm=None,
+        progress=model.progress,
     )
-    with closing(path):
+    with ExitStack() as opened:
+        opened.callback(path.close)
         if near is not None:
-            path.restore({**near, "unstable_modes": NOT_COUNTED})
+            path.restore_neighbour(near)
         *_, last = path.approach(specimen.prestretch.milestones[-1])
-        return DesignShape(specimen, mesh, path, last)
+        opened.pop_all()
+    return DesignShape(specimen, mesh, path, last)

@@ -7,6 +7,7 @@ the worst (`Robustness`), and the penalty P on places that nearly touch (`GapPen
 """
 
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.designing.distance import Distance, Place, TargetDistance
-from bilayer.designing.equilibria import DesignShape, SheetMesh, find_shape
+from bilayer.designing.equilibria import DesignShape, Model, SheetMesh, find_shape
 from bilayer.designing.gap import GapPenalty
 from bilayer.designing.task import DesignTask
 from bilayer.errors import ComputationError
 from bilayer.geometry.surface import Surface
-from bilayer.solvers.contract import Solver
 from bilayer.specimen.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -132,7 +132,7 @@ class Evaluator:
     ----------
     task : DesignTask
         What is wanted.
-    solver : Solver
+    model : Model
         Finds the shapes.
     sheet : SheetMesh
         The moving mesh.
@@ -144,11 +144,11 @@ class Evaluator:
     def __init__(
         self,
         task: DesignTask,
-        solver: Solver,
+        model: Model,
         sheet: SheetMesh,
         correction: Array | None = None,
     ) -> None:
-        self._task, self._solver, self._sheet = task, solver, sheet
+        self._task, self._model, self._sheet = task, model, sheet
         self._correction = correction
         self._distance = TargetDistance(task.target.surface, task.target.is_size_free)
         self._gap = GapPenalty(sheet, task.least_gap) if task.least_gap > 0 else None
@@ -192,7 +192,10 @@ class Evaluator:
     def _part(self, specimen: Specimen, near: ShapeFound | None, slopes: Array) -> "_Part":
         """Return what one scenario adds; slopes: derivatives of its numbers by the variables."""
         saved = None if near is None else near.saved
-        shape = find_shape(self._solver, self._task.settings, specimen, self._sheet, saved)
+        with closing(find_shape(self._model, specimen, self._sheet, saved)) as shape:
+            return self._part_of(shape, near, slopes)
+
+    def _part_of(self, shape: DesignShape, near: ShapeFound | None, slopes: Array) -> "_Part":
         surface = self._corrected(shape)
         if near is None:
             distance = self._distance.measure_anew(surface)

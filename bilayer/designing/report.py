@@ -74,13 +74,13 @@ def placed(target: Surface, place: Place) -> Surface:
 
 def report_text(outcome: DesignOutcome, parts: Sequence[CutFile]) -> str:
     """Return the report, in Markdown."""
-    task = outcome.task
+    task, by_elements = outcome.task, outcome.solves_by_elements
     lines = [
         f"# Design of {outcome.specimen.name}",
         "",
         f"Target: {task.target.words}, diagonal {MM * task.target.diagonal:.4g} mm.",
         f"Shapes computed: {outcome.solves} by the shell"
-        + (f", {len(outcome.checks)} by the finite-element model." if outcome.checks else "."),
+        + (f", {by_elements} by the finite-element model." if by_elements else "."),
         "",
         *_verdict(outcome),
         "",

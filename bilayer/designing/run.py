@@ -1,22 +1,25 @@
 """A design from its task to its end: stages of the search, and a last look from the flat sheet."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from bilayer.designing.checked import Checked, check_design
+from bilayer.designing.checked import CHECK_SOLVER, Checked, check_design
+from bilayer.designing.equilibria import Model
 from bilayer.designing.evaluation import Evaluation
 from bilayer.designing.folder import DesignFolder
-from bilayer.designing.stage import Corrected, Stage
+from bilayer.designing.stage import Stage, correction_between
 from bilayer.designing.task import DESIGN_SOLVER, DesignTask, read_design
 from bilayer.designing.trust_region import Iterate, NoValueError
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.results.files import open_result
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.contract import Solver
-from bilayer.solvers.registry import solver_named
+from bilayer.solvers.registry import settings_class, solve, solver_named
 from bilayer.specimen.specimen import MeshSize, Specimen
 
 Array = NDArray[np.float64]
@@ -27,6 +30,8 @@ WORSE = 1.5
 """A value from flat, over that along the way, which is another shape's and not another mesh's."""
 CORRECTED_EVALUATIONS = 5
 """Of a search with corrected shapes, which are true near the checked design alone."""
+NEARBY = {"first_step": 0.05, "largest_step": 0.1, "smallest_step": 0.01, "flow_steps": 0}
+"""Settings of the finite-element model from one design to the next: a far one fails soon."""
 FIRST_RADIUS_AGAIN = 0.05
 """Half the width of the first box of a later stage."""
 
@@ -47,6 +52,8 @@ class Tried:
         Half the width of the next box.
     failure : str
         Why there was no shape, or empty.
+    solver : str
+        Which model computed it.
     """
 
     stage: int
@@ -54,6 +61,7 @@ class Tried:
     best: float
     radius: float
     failure: str
+    solver: str = DESIGN_SOLVER
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +103,31 @@ class DesignOutcome:
 
     @property
     def solves(self) -> int:
-        """Number of shapes that were computed, or tried."""
-        return len(self.history) * len(self.task.robustness.scenarios)
+        """Number of shapes that the shell computed, or tried."""
+        return self._solves_by(DESIGN_SOLVER)
+
+    @property
+    def solves_by_elements(self) -> int:
+        """Number of shapes that the finite-element model computed, or tried."""
+        return len(self.checks) + self._solves_by(CHECK_SOLVER)
+
+    def _solves_by(self, solver: str) -> int:
+        tried = [each for each in self.history if each.solver == solver]
+        return len(tried) * len(self.task.robustness.scenarios)
+
+    @property
+    def is_by_elements(self) -> bool:
+        """Whether the finite-element model ended the search."""
+        return self._solves_by(CHECK_SOLVER) > 0
 
     @property
     def is_the_same_from_flat(self) -> bool:
         """Whether the flat sheet comes to the shape of the search, but for the mesh."""
-        worse = self.from_flat.value > WORSE * self.along_the_way.value
-        return not self.flat_failure and not worse
+        along = self.along_the_way
+        if self.is_by_elements:
+            last = self.checks[-1].distance.mean_square
+            return not self.check_failure and last <= WORSE * along.shapes[0].distance ** 2
+        return not self.flat_failure and self.from_flat.value <= WORSE * along.value
 
     @property
     def bounds_reached(self) -> list[str]:
@@ -192,7 +217,7 @@ class _Design:
     ) -> None:
         self._task, self._folder = task, folder
         self._progress, self._observer = progress, observer
-        self._solver: Solver = solver_named(DESIGN_SOLVER)
+        self._shell = Model(solver_named(DESIGN_SOLVER), task.settings)
         self._history: list[Tried] = []
         self._stages = 0
 
@@ -217,6 +242,8 @@ class _Design:
         runs, finer = self._task.check.runs, self._task.check.mesh_size
         checks: list[Checked] = []
         for run in range(1, runs + 1):
+            if run == runs and self._task.check.evaluations:
+                outcome = self._ended_by_elements(outcome, checks)
             file = self._folder.path / f"check-{run}.nc"
             specimen = outcome.specimen
             mesh: PlanarMesh | None = outcome.mesh
@@ -227,34 +254,63 @@ class _Design:
                 failure = f"the finite-element model did not reach it ({file.name})"
                 return replace(outcome, checks=tuple(checks), check_failure=failure)
             checks.append(checked)
-            if run < runs:
+            if run < runs - bool(self._task.check.evaluations):
                 outcome = self._corrected(outcome, checked)
         return replace(outcome, checks=tuple(checks))
 
     def _corrected(self, outcome: DesignOutcome, checked: Checked) -> DesignOutcome:
         """Return what the search comes to from a design, its shapes corrected."""
         found = outcome.from_flat
-        corrected = Corrected.between(outcome.mesh, found.shapes[0].position, checked.position)
+        correction = correction_between(outcome.mesh, found.shapes[0].position, checked.position)
         number = self._stages + 1
-        stage = Stage.begin(self._folder, number, self._task, found.point, corrected)
+        stage = Stage.begin(
+            self._folder, number, self._task, found.point, mesh=outcome.mesh, correction=correction
+        )
         try:
             return self._look(self._search(stage, CORRECTED_EVALUATIONS))
         except NoValueError as error:
             return replace(outcome, flat_failure=str(error))
 
+    def _ended_by_elements(
+        self, outcome: DesignOutcome, checks: Sequence[Checked]
+    ) -> DesignOutcome:
+        """Return what the search by the finite-element model comes to from a design.
+
+        It begins near the shape of the last check, or else of the shell.
+        """
+        number, point = self._stages + 1, outcome.from_flat.point
+
+        def start(mesh: PlanarMesh) -> xr.Dataset:
+            if checks:
+                return open_result(checks[-1].file)
+            return solve(outcome.specimen, DESIGN_SOLVER, self._task.settings, mesh=mesh)
+
+        mesh = checks[-1].mesh if checks else outcome.mesh
+        stage = Stage.begin(self._folder, number, self._task, point, mesh=mesh)
+        settings: Any = settings_class(CHECK_SOLVER)
+        model = Model(
+            solver_named(CHECK_SOLVER), settings(), start, settings(**NEARBY), self._progress
+        )
+        try:
+            searched = self._search(stage, self._task.check.evaluations, model)
+        except NoValueError as error:
+            return replace(outcome, check_failure=str(error), history=tuple(self._history))
+        return self._look(searched)
+
     @property
     def _left(self) -> int:
         return self._task.limits.evaluations - len(self._history)
 
-    def _search(self, stage: Stage, evaluations: int) -> "_Searched":
-        """Return what the search on one mesh comes to."""
+    def _search(self, stage: Stage, evaluations: int, model: Model | None = None) -> "_Searched":
+        """Return what the search on one mesh comes to, by the shell if no model is given."""
+        model = self._shell if model is None else model
         radius = self._task.limits.radius if stage.number == 1 else FIRST_RADIUS_AGAIN
         limits = replace(self._task.limits, evaluations=max(evaluations, 1), radius=radius)
         self._stages = stage.number
         bests = []
-        for step in stage.search(self._folder, self._task, self._solver, limits):
+        for step in stage.search(self._folder, self._task, model, limits):
             bests.append(step.best)
-            self._tell(stage.number, step)
+            self._tell(stage.number, step, model.solver.name)
         return _Searched(stage, bests[0], bests[-1])
 
     def _look(self, searched: "_Searched") -> DesignOutcome:
@@ -275,7 +331,7 @@ class _Design:
         history = tuple(self._history)
         return replace(outcome, mesh=stage.sheet.mesh, from_flat=found, history=history)
 
-    def _tell(self, number: int, step: Iterate[Evaluation]) -> None:
+    def _tell(self, number: int, step: Iterate[Evaluation], solver: str) -> None:
         shapes = () if step.tried is None else step.tried.shapes
         tried = Tried(
             number,
@@ -283,6 +339,7 @@ class _Design:
             step.best.shapes[0].distance,
             step.radius,
             step.failure,
+            solver,
         )
         self._history.append(tried)
         if self._observer is not None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.designing.equilibria import SheetMesh
+from bilayer.designing.equilibria import Model, SheetMesh
 from bilayer.designing.evaluation import Evaluation, Evaluator, ShapeFound
 from bilayer.designing.folder import Arrays, DesignFolder
 from bilayer.designing.task import DesignTask
@@ -28,7 +28,6 @@ from bilayer.errors import (
 from bilayer.geometry.alignment import align
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh, flat_surface
-from bilayer.solvers.contract import Solver
 from bilayer.specimen.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -38,25 +37,17 @@ LEAST_AREA = 0.4
 SHAPE = "shape-"
 
 
-@dataclass(frozen=True, eq=False)
-class Corrected:
-    """How far the true shape is from that of the shell, for designs nearby.
+def correction_between(mesh: PlanarMesh, shell: Array, true: Array) -> Array:
+    """Return how far the true shape is from that of the shell, both on one mesh, (n, 3), m.
 
     Parameters
     ----------
     mesh : PlanarMesh
-        On which both are known.
-    correction : (n, 3) array of float
-        From the shell's reference surface to the true one, m.
+        The planar mesh.
+    shell, true : (n, 3) array of float
+        The reference surfaces, m.
     """
-
-    mesh: PlanarMesh
-    correction: Array
-
-    @classmethod
-    def between(cls, mesh: PlanarMesh, shell: Array, true: Array) -> "Corrected":
-        """Return the correction of a shell's reference surface, (n, 3), by the true one, m."""
-        return cls(mesh, align(true, shell, flat_surface(mesh).node_areas) - shell)
+    return align(true, shell, flat_surface(mesh).node_areas) - shell
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +78,9 @@ class Stage:
         number: int,
         task: DesignTask,
         point: Array,
-        corrected: Corrected | None = None,
+        *,
+        mesh: PlanarMesh | None = None,
+        correction: Array | None = None,
     ) -> "Stage":
         """Return the stage that is there, or a new one with a mesh of its own.
 
@@ -97,33 +90,35 @@ class Stage:
             Where it is kept, which one, and of what.
         point : (k,) array of float
             Where it begins.
-        corrected : Corrected, optional
-            The mesh and the correction of a new one.
+        mesh : PlanarMesh, optional
+            Of a new one; made from the specimen if left out.
+        correction : (n, 3) array of float, optional
+            Of a new one, see `correction_between`.
         """
         specimen = task.variables.specimen(task.specimen, point)
         file = folder.stage(number) / "mesh.npz"
         held = folder.read(file)
         if held is None:
-            mesh = generate_mesh(specimen) if corrected is None else corrected.mesh
+            mesh = generate_mesh(specimen) if mesh is None else mesh
             held = {
                 "points": mesh.points, "triangles": mesh.triangles, "region": mesh.region,
                 "point": point,
             }  # fmt: skip
-            if corrected is not None:
-                held["correction"] = corrected.correction
+            if correction is not None:
+                held["correction"] = correction
             folder.write(file, held)
         _check_point(held, point, file)
         mesh = PlanarMesh(held["points"], held["triangles"], held["region"], specimen.layer_sets)
         return cls(number, SheetMesh(specimen, mesh), point, held.get("correction"))
 
     def search(
-        self, folder: DesignFolder, task: DesignTask, solver: Solver, limits: Limits
+        self, folder: DesignFolder, task: DesignTask, model: Model, limits: Limits
     ) -> Iterator[Iterate[Evaluation]]:
         """Yield the steps of the search on this mesh, up to where the mesh cannot follow.
 
         Evaluations that are in the folder are not computed again.
         """
-        evaluator = Evaluator(task, solver, self.sheet, self.correction)
+        evaluator = Evaluator(task, model, self.sheet, self.correction)
         kept = _Kept(evaluator, folder, folder.stage(self.number))
 
         def margins(point: Array) -> Array:

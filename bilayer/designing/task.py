@@ -49,16 +49,21 @@ class Check:
         Most runs; 0: none. All but the last correct the shape that the shell gives.
     mesh_size : float or None
         Edge length of the last run's mesh, m; three quarters of the design's if left out.
-    milestones : float
+    step : float
         Longest step of the prestretch from one milestone to the next.
+    evaluations : int
+        Of the search by the finite-element model itself, before the last run.
     """
 
     runs: int = 0
     mesh_size: float | None = None
     step: float = 0.1
+    evaluations: int = 0
 
     def __post_init__(self) -> None:
-        keep(self, whole, "runs", table="check.", at_least=0, at_most=100)
+        keep(self, whole, "runs", "evaluations", table="check.", at_least=0, at_most=100)
+        if self.evaluations and not self.runs:
+            raise InputError("check.runs = 0: expected at least 1 after check.evaluations")
         if self.mesh_size is not None:
             keep(self, not_negative, "mesh_size", table="check.", unit="m")
 
@@ -181,7 +186,7 @@ def read_design(path: str | Path) -> DesignTask:
     settings: Any = settings_from(settings_class(DESIGN_SOLVER), search.pop("settings", {}))
     check = in_si(
         "check",
-        _known("check", tables.get("check", {}), ("runs", "mesh_size", "step")),
+        _known("check", tables.get("check", {}), ("runs", "mesh_size", "step", "evaluations")),
         {"mesh_size": "m"},
     )
     return DesignTask(

@@ -144,6 +144,23 @@ class Linearised(Protocol):
 class ShapeLinearised(Linearised, Protocol):
     """Equations that are differentiated by the flat sheet, too: where its mesh has its nodes."""
 
+    def residual_along(self, velocity: Array) -> Array:
+        """Return the derivative of the residual as the nodes move, the state fixed, (dofs,).
+
+        Parameters
+        ----------
+        velocity : (n, 2) array of float
+            Of the nodes in the flat sheet.
+        """
+
+    def position_along(self, velocity: Array) -> Array:
+        """Return the derivative of the position as the nodes move, the state fixed, (n, 3)."""
+
+
+@runtime_checkable
+class PointsLinearised(ShapeLinearised, Protocol):
+    """Equations that are differentiated by all nodes of the flat mesh at once."""
+
     def points_gradient(self, adjoint: Array, position_gradient: Array) -> Array:
         """Return the gradient of a function of the shape by the nodes of the planar mesh, (n, 2).
 
@@ -165,18 +182,6 @@ class ShapeLinearised(Linearised, Protocol):
         InputError
             The model, its weight or its contact is none that can be differentiated so.
         """
-
-    def residual_along(self, velocity: Array) -> Array:
-        """Return the derivative of the residual as the nodes move, the state fixed, (dofs,).
-
-        Parameters
-        ----------
-        velocity : (n, 2) array of float
-            Of the nodes in the flat sheet.
-        """
-
-    def position_along(self, velocity: Array) -> Array:
-        """Return the derivative of the position as the nodes move, the state fixed, (n, 3)."""
 
 
 class Equilibrium(PathPoint, Protocol):
@@ -266,6 +271,14 @@ class SpecimenPath(Path[Milestone, Equilibrium], Protocol):
 
         The path was opened with `start=None`. What follows is the same, to the last bit on the same
         machine, as if the path had never been left.
+        """
+
+    def restore_neighbour(self, saved: Saved) -> None:
+        """Be where an equilibrium of a specimen nearby was saved, which is none of this one.
+
+        The neighbour has a mesh of the same triangles, its nodes moved a little, and the settings
+        of this path, which was opened with `start=None`. What the neighbour had learnt on its way
+        is forgotten.
         """
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:

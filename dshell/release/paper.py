@@ -196,6 +196,9 @@ class PaperPath:
     def restore(self, saved: Saved) -> None:
         """Do nothing: the next run begins flat."""
 
+    def restore_neighbour(self, saved: Saved) -> None:
+        """Do nothing: the next run begins flat."""
+
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return an empty dataset: this model has no variables of its own."""
         return xr.Dataset()

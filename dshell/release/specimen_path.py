@@ -289,6 +289,10 @@ class ShellPath:
             memory.restore(saved, blocks)
             self._visited = 1 + int(np.searchsorted(schedule.milestones, memory.time))
 
+    def restore_neighbour(self, saved: Saved) -> None:
+        """Be in a state that was saved of a specimen nearby."""
+        self.restore({**saved, "unstable_modes": np.array(NOT_COUNTED)})
+
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the contact by milestone; an empty dataset if contact is not modelled."""
         if self._shell.contact(UNSTRETCHED) is None:

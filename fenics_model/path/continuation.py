@@ -121,6 +121,10 @@ class Continuation:
         """Of the last equilibrium."""
         return self.predictor.parameter
 
+    def begin_at(self, parameter: float, state: State) -> None:
+        """Begin anew near a state at a parameter, which predicts nothing."""
+        self._change_branch(parameter, state)
+
     def approach(self, goal: float) -> Iterator[LoadPoint]:
         """Follow the equilibria from the last one to a parameter.
 

@@ -17,8 +17,12 @@ from fenics_model.solve.newton import Newton
 Array = NDArray[np.float64]
 
 
+SMALL_CHANGE = 1e-6
+"""Of the largest coordinate, for the motion of the nodes."""
+
+
 class SolidLinearisation:
-    """See `bilayer.solvers.contract.Linearised`; all vectors are those of `Numbering`.
+    """See `bilayer.solvers.contract.ShapeLinearised`; all vectors are those of `Numbering`.
 
     The state is the displacement of a mesh that is drawn as thick as the layers naturally are, and
     the reference surface stays where it is drawn. So no parameter moves it while the state is
@@ -81,6 +85,35 @@ class SolidLinearisation:
         """Return the change of the reference surface with the state, (n, 3), m."""
         return np.asarray(state_change[self._surface])
 
+    def residual_along(self, velocity: Array) -> Array:
+        """Return the derivative of the residual as the nodes of the flat sheet move, (dofs,).
+
+        All levels of the mesh move with their planar nodes.
+        """
+        volume = self._body.solid.mesh.volume
+        length = np.abs(velocity).max()
+        if length == 0:
+            return np.zeros(self._numbering.size)
+        step = SMALL_CHANGE * np.abs(volume.points).max() / length
+        motion = step * _in_space(velocity)[volume.planar_nodes]
+        ahead, behind = (
+            self._residual_drawn_at(volume.points + sign * motion) for sign in (1.0, -1.0)
+        )
+        return np.asarray((ahead - behind) / (2 * step))
+
+    def _residual_drawn_at(self, points: Array) -> Array:
+        with self._body.solid.mesh.drawn_at(points):
+            return self._numbering.gather(self._newton.residual(self._state))
+
+    def position_along(self, velocity: Array) -> Array:
+        """Return the derivative of the position as the nodes move, their displacements fixed."""
+        return _in_space(velocity)
+
     @property
     def _surface(self) -> NDArray[np.int64]:
         return self._numbering.displacements_at(self._body.solid.mesh.volume.reference_surface)
+
+
+def _in_space(velocity: Array) -> Array:
+    """Return velocities in the plane, (n, 2), as those of points in space, (n, 3)."""
+    return np.column_stack([velocity, np.zeros(len(velocity))])

@@ -49,6 +49,7 @@ from fenics_model.release.specimen_solid import (
 from fenics_model.release.volume_fields import volume_dataset
 from fenics_model.settings import SolidSettings
 from fenics_model.solid.numbering import Numbering
+from fenics_model.solid.state import State
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton
 from fenics_model.solve.stopwatch import Stopwatch
@@ -413,6 +414,28 @@ class SolidPath:
         known.restore(self._continuation, self._guide)
         self._shapes, self._start = known.shapes, known.start
         self._load(self._continuation.parameter)
+
+    def restore_neighbour(self, saved: Saved) -> None:
+        """Be near the state that was saved of a specimen nearby, moved onto the held points."""
+        known = SavedPath.from_arrays(saved, self.numbering)
+        for target in known.targets:
+            self.loads.add_target(target)
+        parameter, _ = known.equilibria[-1]
+        values = self._onto_held_points(np.asarray(saved["equilibrium"][-1]))
+        self._continuation.begin_at(parameter, State(self.numbering.spread(values)))
+        self._start = known.start
+        self._load(parameter)
+
+    def _onto_held_points(self, values: Array) -> Array:
+        """Return the values of all dofs after a rigid motion of the body onto its held points."""
+        volume = self.body.solid.mesh.volume
+        flat = self.numbering.places(volume.points)
+        moved = values.copy()
+        displacements = moved[: flat.size].reshape(flat.shape)
+        a, b, c = (int(vertex) for vertex in volume.reference_surface[list(self._nodes)])
+        shape = flat + displacements
+        displacements[:] = move_onto_held_points(shape, flat[:, :2], (a, b, c)) - flat
+        return moved
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the volume mesh, the work and the branches by milestone; on the first rank."""

@@ -76,6 +76,11 @@ class Numbering:
         layers = len(self._solid.layers)
         return 3 * self._edges.count + layers * self._vertices
 
+    def places(self, points: Array) -> Array:
+        """Return the places of all nodes of a mesh whose vertices are given, (nodes, 3), m."""
+        ends = self._edges.ends(np.arange(self._edges.count))
+        return np.asarray(points[ends].mean(axis=1))
+
     def _number_dofs(self) -> NDArray[np.int64]:
         solid, corners = self._solid, self._solid.mesh.cell_vertices
         middles = self._edges.middles(corners[:, EDGES])

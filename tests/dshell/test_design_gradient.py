@@ -12,17 +12,18 @@ from verification.derivatives import rough_dome
 import bilayer
 from bilayer import InputError
 from bilayer.designing.distance import TargetDistance
-from bilayer.designing.equilibria import SheetMesh, find_shape
+from bilayer.designing.equilibria import Model, SheetMesh, find_shape
 from bilayer.designing.gap import GapPenalty
 from bilayer.designing.targets import cap
 from bilayer.designing.variables import value_of, with_values
 from bilayer.geometry.surface import Surface
-from bilayer.solvers.contract import ShapeLinearised
+from bilayer.solvers.contract import PointsLinearised
 from dshell.solver import SOLVER
 
 GAP_ANGLE = 0.03
 """Between the rims of the sheet rolled to a tube: 0.8 mm."""
 TIGHT = bilayer.MorleySettings(tolerance=1e-11)
+MODEL = Model(SOLVER, TIGHT)
 FAMILIES = {
     "prestretch": 0.004,
     "prestretch.y": 0.002,
@@ -44,7 +45,7 @@ def design():
     specimen = bilayer.paper_specimen().with_layer("kirigami", pattern=pattern)
     specimen = replace(specimen, mesh=bilayer.MeshSize(0.009)).with_milestones([(1.09, 1.07)])
     sheet = SheetMesh(specimen, bilayer.generate_mesh(specimen))
-    return specimen, sheet, find_shape(SOLVER, TIGHT, specimen, sheet)
+    return specimen, sheet, find_shape(MODEL, specimen, sheet)
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +82,7 @@ def test_the_remainder_is_of_second_order(design, name):
     remainders = []
     for share in (1.0, 0.5):
         step = share * FAMILIES[name] * value
-        there = find_shape(SOLVER, TIGHT, with_values(specimen, {name: value + step}), sheet, saved)
+        there = find_shape(MODEL, with_values(specimen, {name: value + step}), sheet, saved)
         found = bonds.value(there.equilibrium.position)
         remainders.append(found - bonds.value(position) - step * slope)
     first = FAMILIES[name] * value * slope
@@ -100,7 +101,7 @@ def test_the_distance_falls_as_its_gradient_says(design, distance):
     saved, values = shape.equilibrium.save(), []
     for sign in (1, -1):
         changed = with_values(specimen, {name: value_of(specimen, name) + sign * step})
-        there = find_shape(SOLVER, TIGHT, changed, sheet, saved)
+        there = find_shape(MODEL, changed, sheet, saved)
         values.append(target.measure(there.surface, here.place).mean_square)
     assert slope == pytest.approx((values[0] - values[1]) / (2 * step), rel=0.01)
 
@@ -168,7 +169,7 @@ def test_weight_contact_and_hinges_are_refused(coarse_specimen, coarse_mesh):
     ):
         (*_, last) = bilayer.follow(specimen, "dshell", settings, mesh=coarse_mesh)
         equations = last.linearised()
-        assert isinstance(equations, ShapeLinearised)
+        assert isinstance(equations, PointsLinearised)
         with pytest.raises(InputError, match="points_gradient"):
             equations.points_gradient(np.zeros(3), last.position)
 

@@ -2,7 +2,12 @@
 
 import math
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,6 +73,27 @@ def test_a_design_that_was_killed_comes_to_the_same_end(run, task, tmp_path):
     with pytest.raises(KilledError):
         design(task, tmp_path / "d", observer=kill)
     assert np.array_equal(numbers_of(design(task, tmp_path / "d")), numbers_of(run[0]))
+
+
+def test_a_design_whose_process_is_killed_comes_to_the_same_end(run, task, tmp_path):
+    """At three moments of a pseudo-random choice, in the same folder, then to the end."""
+    folder, moments = tmp_path / "d", np.random.default_rng(19).uniform(0.1, 1.2, 3)
+    for moment in moments:
+        killed_after(moment, folder)
+    left = [file for file in folder.rglob("*") if file.suffix == ".npz"]
+    assert all(np.load(file).files for file in left)  # whole, whenever it was
+    assert np.array_equal(numbers_of(design(task, folder)), numbers_of(run[0]))
+
+
+def killed_after(seconds, folder):
+    script = Path(__file__).with_name("killed_design.py")
+    with subprocess.Popen(
+        [sys.executable, str(script), str(folder)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(seconds)
+        process.send_signal(signal.SIGKILL)
+        assert process.wait() in (-signal.SIGKILL, 0)
 
 
 def test_a_finished_design_is_not_computed_again(run, task, monkeypatch):

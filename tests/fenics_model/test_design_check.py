@@ -15,23 +15,34 @@ from bilayer.designing.trust_region import Limits
 from bilayer.designing.variables import Variable, Variables
 
 
-@pytest.fixture(scope="module")
-def checked(tmp_path_factory):
-    """A design of two evaluations with two checks, the second on a finer mesh; its folder."""
-    folder = tmp_path_factory.mktemp("design") / "dome"
+def task_of(evaluations, check):
+    """A thickness for a hemisphere, on coarse meshes."""
     sheet = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(0.013)).with_milestones([1.03])
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(targets, "NODES", 150)
         target = Target(cap(0.08 / math.pi), "hemisphere")
-    task = DesignTask(
+    return DesignTask(
         sheet,
         target,
         Variables((Variable("kirigami.thickness", 0.8e-3, 1.3e-3),)),
         least_gap=0.0,
-        limits=Limits(2),
-        check=Check(2, mesh_size=0.011),
+        limits=Limits(evaluations),
+        check=check,
     )
-    return bilayer.design(task, folder), folder
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """A design of two evaluations with two checks, the second on a finer mesh; its folder."""
+    folder = tmp_path_factory.mktemp("design") / "dome"
+    return bilayer.design(task_of(2, Check(2, mesh_size=0.011)), folder), folder
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """A design whose search the finite-element model does, from the shell's shape; its folder."""
+    folder = tmp_path_factory.mktemp("design") / "dome"
+    return bilayer.design(task_of(1, Check(1, evaluations=2)), folder), folder
 
 
 def test_both_checks_are_there_and_the_last_one_is_of_the_design(checked):
@@ -70,3 +81,33 @@ def test_the_report_says_what_the_finite_elements_reach(checked):
     text = report_text(outcome, [])
     assert f"by the finite-element model: {1e3 * outcome.checks[-1].distance.rms:.4g} mm" in text
     assert "finite elements, run 2" in text
+
+
+def test_the_finite_elements_search_themselves(ended):
+    outcome, _ = ended
+    first, second = (tried for tried in outcome.history if tried.solver == "fenics")
+    assert second.best < first.best
+    assert (outcome.solves, outcome.solves_by_elements) == (3, 3)
+    assert outcome.is_by_elements
+    assert outcome.along_the_way.shapes[0].distance == second.best
+
+
+def test_their_shape_is_found_again_from_the_flat_sheet(ended):
+    """On another mesh: that of the search was moved."""
+    outcome, _ = ended
+    (check,) = outcome.checks
+    assert check.distance.rms == pytest.approx(outcome.along_the_way.shapes[0].distance, rel=0.02)
+    assert outcome.is_the_same_from_flat
+
+
+def test_a_search_by_finite_elements_that_is_finished_is_read(ended, monkeypatch):
+    outcome, folder = ended
+    monkeypatch.setattr("fenics_model.solver.SOLVER", None)
+    again = bilayer.design(outcome.task, folder)
+    assert [tried.best for tried in again.history] == [tried.best for tried in outcome.history]
+    assert np.array_equal(again.along_the_way.point, outcome.along_the_way.point)
+
+
+def test_a_search_without_a_check_of_its_end_is_refused():
+    with pytest.raises(bilayer.InputError, match=r"check\.runs = 0"):
+        Check(0, evaluations=2)

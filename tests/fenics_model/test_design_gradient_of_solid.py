@@ -1,0 +1,109 @@
+"""The gradient of a design by the finite-element model: Taylor tests of families of its variables.
+
+J(p + h) - J(p) - h dJ/dp falls with the square of h, J being found anew at each step from the
+equilibrium of the design nearby.
+"""
+
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("dolfinx")
+
+import bilayer
+from bilayer.designing.equilibria import Model, SheetMesh, find_shape
+from bilayer.designing.variables import value_of, with_values
+from bilayer.solvers.contract import PointsLinearised, ShapeLinearised
+from fenics_model import SOLVER, SolidSettings
+
+FAMILIES = {
+    "prestretch": 0.004,
+    "substrate.thickness": 0.02,
+    "kirigami.thickness": 0.01,
+    "kirigami.modulus": 0.02,
+    "kirigami.pattern.inner_radius": 0.03,
+    "kirigami.pattern.half_angles.1": 0.03,
+}
+"""The first step of each, relative."""
+MODEL = Model(SOLVER, SolidSettings(first_step=0.05))
+
+
+@pytest.fixture(scope="module")
+def design():
+    """A specimen with its moving mesh and its shape, which is no shape that a symmetry holds."""
+    pattern = bilayer.SectorProfile(5, (0.008, 0.022, 0.04), (0.12, 0.18, 0.24))
+    specimen = bilayer.paper_specimen().with_layer("kirigami", pattern=pattern)
+    specimen = replace(specimen, mesh=bilayer.MeshSize(0.015)).with_milestones([(1.05, 1.04)])
+    sheet = SheetMesh(specimen, bilayer.generate_mesh(specimen))
+    with closing(find_shape(MODEL, specimen, sheet)) as shape:
+        yield specimen, sheet, shape
+
+
+def lengths(nodes):
+    """Weighted squared lengths between nodes, which no rigid motion changes: value, gradient."""
+    rng = np.random.default_rng(1)
+    (first, second), weights = rng.integers(0, nodes, (2, 200)), rng.normal(size=200)
+
+    def value(position):
+        return weights @ ((position[first] - position[second]) ** 2).sum(axis=1)
+
+    def gradient(position):
+        bonds = 2 * weights[:, None] * (position[first] - position[second])
+        total = np.zeros_like(position)
+        np.add.at(total, first, bonds)
+        np.add.at(total, second, -bonds)
+        return total
+
+    return value, gradient
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_remainder_is_of_second_order(design, name):
+    specimen, sheet, shape = design
+    value, gradient = lengths(len(sheet.mesh.points))
+    position, saved = shape.equilibrium.position, shape.equilibrium.save()
+    (slope,) = shape.gradient(gradient(position), [name])
+    number, remainders = value_of(specimen, name), []
+    for share in (1.0, 0.5):
+        step = share * FAMILIES[name] * number
+        changed = with_values(specimen, {name: number + step})
+        with closing(find_shape(MODEL, changed, sheet, saved)) as there:
+            found = value(there.equilibrium.position)
+        remainders.append(found - value(position) - step * slope)
+    rate = np.log2(abs(remainders[0] / remainders[1]))
+    assert rate > 1.9
+    assert abs(remainders[1]) < 0.2 * abs(FAMILIES[name] * number * slope)
+
+
+def test_the_direct_derivative_is_that_of_the_adjoint(design):
+    _, sheet, shape = design
+    by_position = lengths(len(sheet.mesh.points))[1](shape.equilibrium.position)
+    by_adjoint = shape.gradient(by_position, list(FAMILIES))
+    directly = np.einsum("knx,nx->k", shape.changes(list(FAMILIES)), by_position)
+    assert by_adjoint == pytest.approx(directly, rel=1e-6)
+    assert isinstance(shape.linearised, ShapeLinearised)
+    assert not isinstance(shape.linearised, PointsLinearised)
+
+
+def test_a_neighbour_is_moved_onto_the_held_points(design):
+    """A saved state that has turned is the same equilibrium: hardly an iteration is needed."""
+    from scipy.spatial.transform import Rotation
+
+    specimen, sheet, shape = design
+    saved = dict(shape.equilibrium.save())
+    numbering = shape._path.numbering
+    flat = numbering.places(shape._path.body.solid.mesh.volume.points)
+    values = saved["equilibrium"][-1].copy()
+    displacements = values[: flat.size].reshape(-1, 3)
+    turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
+    displacements[:] = turn.apply(flat + displacements) + 0.01 - flat
+    saved |= {
+        "equilibrium": values[None],
+        "equilibrium_parameter": saved["equilibrium_parameter"][-1:],
+    }
+    with closing(find_shape(MODEL, specimen, sheet, saved)) as again:
+        assert again.equilibrium.effort.iterations <= 2
+        away = again.equilibrium.position - shape.equilibrium.position
+        assert np.abs(away).max() < 1e-7
