@@ -5,7 +5,9 @@ backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 
 by corrections with one factor of its tangent. That must have no unstable mode, and the energy must
 fall by what the viscosity takes: then the step went downhill. A step that is not solved to the end
 counts as well, because the pseudo-time has no meaning. So k falls as long as the steps go downhill,
-and to zero near an equilibrium; it grows where they do not. A step costs one factorisation.
+and to zero near an equilibrium; it grows where they do not. A step costs one factorisation. It
+begins ahead on the way of the step before: a thin body bends along a curve, and the longest step is
+the one whose start is not yet stretched too much.
 
 Sources: C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523 (pseudo-transient
 continuation); the energy as judge makes it a trust-region method: N. I. M. Gould, S. Lucidi,
@@ -16,12 +18,17 @@ import math
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fenics_model.branches.condensed_energy import CondensedEnergy, PressureBalance
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.solid.state import State
 from fenics_model.solve.corrections import CorrectionRule
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton, NewtonOutcome
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -40,14 +47,19 @@ class FlowRule:
         Largest factor of the time step after a failure.
     recovery, quick_recovery : float
         Factors by which that grows with each success, and with an easy one.
-    cut, cut_many : float
-        Factors by which k grows after a failure, and after one with several unstable modes.
+    cut, cut_several, cut_many : float
+        Factors by which k grows after a failure, and after one with more than `several` or `many`
+        unstable modes.
+    several, many : int
+        Unstable modes.
     stiffest : float
         k over the first one beyond which a failing time step is no longer cut.
     slow : float
         The flow is nearly at rest: its viscous force over the reference.
     retry : float
         Factor by which k falls until a flow without viscosity is tried again.
+    ahead : float
+        How far a time step begins ahead of its start, over the step before, at most.
     step_accuracy : float
         To what part of its start the residual falls in a time step.
     energy_noise : float
@@ -66,10 +78,14 @@ class FlowRule:
     recovery: float = 1.25
     quick_recovery: float = 3.0
     cut: float = 4.0
-    cut_many: float = 25.0
+    cut_several: float = 25.0
+    cut_many: float = 625.0
+    several: int = 2
+    many: int = 6
     stiffest: float = 1e8
     slow: float = 1e-3
     retry: float = 30.0
+    ahead: float = 2.0
     step_accuracy: float = 1e-3
     energy_noise: float = 1e-9
     corrections: CorrectionRule = field(
@@ -81,6 +97,12 @@ class FlowRule:
         if corrections <= self.easy:
             return self.easy_growth
         return self.growth if corrections < self.hard else self.hard_growth
+
+    def cut_after(self, modes: int) -> float:
+        """Return the factor of k after a failure with some unstable modes."""
+        if modes > self.many:
+            return self.cut_many
+        return self.cut_several if modes > self.several else self.cut
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +185,7 @@ class ViscosityControl:
         """
         if self.k == 0:
             return self._with_viscosity()
-        more = self.k * (self.rule.cut_many if modes > 2 else self.rule.cut)
+        more = self.k * self.rule.cut_after(modes)
         return replace(self, k=more, last=more, most_growth=self.rule.growth_after_cut)
 
     def _with_viscosity(self) -> "ViscosityControl":
@@ -181,6 +203,18 @@ class _Place:
     @classmethod
     def at(cls, state: State, balance: PressureBalance, newton: Newton) -> "_Place":
         return cls(state, balance.energy(state), newton.residual_norm(state))
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """The change of state in a time step, and the k of that step."""
+
+    change: Array
+    k: float
+
+    def ahead(self, k: float, most: float) -> Array:
+        """Return what the same velocity gives in a step with another k, times `most` at most."""
+        return min(most, self.k / k) * self.change
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,25 +280,28 @@ class GradientFlow:
         limit = min(rule.step_limit, rule.step_limit if step_limit is None else step_limit)
         control = ViscosityControl(rule, self._first, self._first)
         with self._energy.at_present_loads() as balance:
-            here = _Place.at(start, balance, self._newton)
+            here, motion = _Place.at(start, balance, self._newton), None
             while effort.flow_steps < limit and control.k <= rule.stiffest * self._first:
                 left = here.residual / tolerance
                 self._newton.tell(
                     f"viscous flow, step {effort.flow_steps + 1}, residual {left:.1e} of what is "
                     "accepted"
                 )
-                step = self._take_step(here, control.k, tolerance, balance)
+                step = self._take_step(here, motion, control.k, tolerance, balance)
                 effort += Effort(1, flow_steps=1)
                 outcome, end = step.outcome, step.end
                 if outcome is None or end is None or not self._went_down(here, end, step.work):
                     control = control.after_failure(step.modes)
                     continue
                 effort += Effort(dissipated=step.work)
-                if control.k > 0 and outcome.corrections == 0:
+                if control.k > 0 and outcome.corrections == 0 and motion is None:
                     break  # at rest in an unstable equilibrium: it would stay for ever
                 if control.k == 0 and outcome.converged:
                     return self._end(outcome, effort)
+                motion = None
                 if outcome.converged:
+                    if control.k > 0 and outcome.corrections > 0:
+                        motion = _Motion(end.state - here.state, control.k)
                     is_slow = step.force < rule.slow * reference
                     control = control.after_success(outcome.corrections, is_slow)
                 else:
@@ -273,17 +310,25 @@ class GradientFlow:
         return FlowOutcome(here.state, None, effort)
 
     def _take_step(
-        self, here: _Place, k: float, tolerance: float, balance: PressureBalance
+        self,
+        here: _Place,
+        motion: _Motion | None,
+        k: float,
+        tolerance: float,
+        balance: PressureBalance,
     ) -> _Step:
-        """Take one time step, with one factorisation."""
+        """Take one time step, with one factorisation, from where the last motion leads."""
+        guess = here.state
+        if k and motion is not None:
+            guess = self._newton.reach(guess, guess + motion.ahead(k, self._rule.ahead))
         with ExitStack() as stack:
             viscosity = stack.enter_context(self._newton.slow_down(k, here.state)) if k else None
-            factors = self._newton.factorise(here.state)
+            factors = self._newton.factorise(guess)
             modes = unstable_modes(factors, self._newton.solid.number_of_pressures)
             if factors.failure or modes > 0:
                 return _Step(modes)
             outcome = self._newton.solve(
-                here.state,
+                guess,
                 self._rule.step_accuracy * here.residual if k else tolerance,
                 factors,
                 iteration_limit=0,

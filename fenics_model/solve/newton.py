@@ -413,6 +413,10 @@ class Newton:
     def set_out_from(self, state: State) -> None:
         """Take note of where the body is; how it came there matters if it may touch itself."""
 
+    def reach(self, start: State, end: State) -> State:
+        """Return how far the body can go straight from one state toward another."""
+        return end
+
     def passes_through(self, state: State) -> bool:
         """Whether the body passes through itself, or through anything, where it may not."""
         return False

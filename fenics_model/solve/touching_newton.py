@@ -138,6 +138,11 @@ class TouchingNewton(Newton):
         """See `Newton`."""
         self._here = state
 
+    def reach(self, start: State, end: State) -> State:
+        """See `Newton`; short of what its skin would pass through."""
+        free = self._contact.free_share(start, end)
+        return end if free == 1.0 else start + self._limits.free_share * free * (end - start)
+
     def passes_through(self, state: State) -> bool:
         """See `Newton`."""
         return self._contact.barrier.is_crossed(self._contact.points(state))
@@ -185,10 +190,9 @@ class TouchingNewton(Newton):
 
     def _stop_short(self, start: State, found: NewtonOutcome) -> NewtonOutcome:
         """Return the outcome, or its last state that can be come to on a straight way."""
-        free = self._contact.free_share(start, found.state)
-        if free == 1.0:
+        state = self.reach(start, found.state)
+        if state is found.state:
             return found
-        state = start + self._limits.free_share * free * (found.state - start)
         return replace(
             found,
             state=state,

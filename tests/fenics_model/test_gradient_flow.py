@@ -9,6 +9,7 @@ from verification.solid_problem import push
 
 from bilayer.errors import ComputationError
 from bilayer.solvers.path import follow_path
+from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, Tolerances
 from fenics_model.path.predictor import Predictor
 from fenics_model.path.step_control import StepControl
@@ -70,3 +71,17 @@ def test_without_the_flow_the_path_ends_at_the_limit_point(plate):
     assert last.point.state is before.point.state  # not what the failed attempt left
     assert 0 < last.point.share < 1
     assert last.point.effort.iterations > 0
+
+
+def test_a_start_ahead_saves_steps_on_the_way_to_the_same_place(plate):
+    """From flat the plate bends far along a curve."""
+
+    def flow(ahead):
+        rule = FlowRule(ahead=ahead)
+        flow = GradientFlow(plate.newton, first_viscosity=1e12, rule=rule)
+        start = plate.flat + plate.lift(1e-2)
+        return flow.flow_to_equilibrium(start, plate.tolerance, plate.reference)
+
+    ahead, level = flow(2.0), flow(0.0)
+    assert ahead.state.values == pytest.approx(level.state.values, abs=1e-9)
+    assert ahead.effort.flow_steps < level.effort.flow_steps

@@ -222,6 +222,37 @@ def test_a_path_goes_on_from_a_saved_one_into_contact(strip, mesh, saved_and_liv
     again.close()
 
 
+def test_no_flow_begins_from_a_shape_that_passes_through_the_strip(strip, mesh):
+    """A viscous flow would keep what is inside inside; one from the flat strip begins."""
+    crossing = solve(strip.with_milestones([CROSSED]), "dshell", mesh=mesh)
+    assert touches_itself(crossing).all()
+    path = open_path(strip, BARRIER, mesh=mesh, start=None, comm=MPI.COMM_WORLD, progress=None)
+    path.body.prestretch(strip, CROSSED)
+    guide, flat = path._guide, mesh.points @ np.eye(2, 3)
+    guide.use_shapes({0.18: crossing["position"].values[0], 0.1: flat})
+    guide._guess = guide._state_at(0.18)
+    flowed = guide.flow_from_shape(0.18, 1e-3, 1e-3, "too many iterations")
+    assert flowed.equilibrium is None
+    assert flowed.effort.iterations == 0
+    assert guide.rejected == [(0.18, "too many iterations")]
+    guide._guess = guide._state_at(0.1)
+    assert guide.flow_from_shape(0.1, 1e3, 1e3, "none").effort.iterations > 0
+    path.close()
+
+
+def test_a_step_ahead_stops_short_of_what_the_skin_would_pass_through(live):
+    """From where the strip presses on itself, a little apart and far into itself."""
+    newton, state = live._path._newton, live._point.state
+    force = live._path.contact
+    pressed = force.by_dofs(state, force.at(state).gradient)
+    into = pressed * (2e-3 / np.abs(pressed).max())
+    away = state + -0.01 * into
+    assert newton.reach(state, away) is away
+    short = newton.reach(state, state + into)
+    assert not newton.passes_through(short)
+    assert 0 < np.abs(short - state).max() < np.abs(into).max()
+
+
 def test_the_equations_near_an_equilibrium_have_the_barrier_in_them(live):
     numbering, held = live._path.numbering, live._path._newton.held_dofs
     side = np.random.default_rng(0).normal(size=numbering.size)
