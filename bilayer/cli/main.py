@@ -5,6 +5,7 @@ that failed or stopped early, 0 success.
 """
 
 import argparse
+import errno
 import sys
 import traceback
 from collections.abc import Sequence
@@ -21,6 +22,9 @@ from bilayer.runtime.surroundings import need_open_files
 from bilayer.runtime.terminal import drop_stdout, flush_stdout, tell, tell_lines
 from bilayer.runtime.termination import signals_put_off, termination_as_ctrl_c
 from bilayer.runtime.version import __version__
+
+OF_A_NAME = (errno.ENAMETOOLONG, errno.ELOOP, errno.ENOTDIR, errno.EISDIR)
+"""Errors of the system that a name has given on the command line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -52,8 +56,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our stdout has gone, as in `bilayer init | head -3`
         drop_stdout()
         return 0
-    except OSError as error:  # of stdout, as on a full disk
-        drop_stdout()
+    except OSError as error:
+        if error.errno in OF_A_NAME:
+            return _fail(error, options, 2)
+        drop_stdout()  # as on a full disk
         return _fail(error, options, 1)
     except Exception:
         tell_lines(traceback.format_exc())

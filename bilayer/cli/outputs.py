@@ -41,7 +41,7 @@ def check_output(
     inputs = list(input_files(options))
     for name in [options.output] if names is None else names:
         check(name, inputs)
-        if Path(name).is_file():
+        if Path(name).suffix == ".nc" and Path(name).is_file():
             options.replaced = [*getattr(options, "replaced", []), str(name)]
 
 
@@ -67,7 +67,11 @@ def output_beside(options: argparse.Namespace, source: str, ending: str) -> Path
 
 
 def tell_replaced(options: argparse.Namespace) -> None:
-    """Say which files a verb has replaced: those that its gate has seen and that are new now."""
+    """Say which results a verb has replaced: those that its gate has seen and that are new now.
+
+    A result may be hours of computing. Pictures and meshes are drawn again in seconds; of those
+    nothing is said.
+    """
     if options.quiet or getattr(options, "resume", False):
         return
     for name in dict.fromkeys(getattr(options, "replaced", [])):

@@ -5,6 +5,7 @@ from typing import Any
 
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_json_argument, add_trust_argument, add_verb
+from bilayer.errors import InputError
 from bilayer.results.files import check_result_output, open_result
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank, join_mpi
@@ -47,7 +48,10 @@ def run(options: argparse.Namespace) -> int:
         )
     title = f"{result.attrs['solver']} {result.attrs['model']}"
     with progress_bar(title, shown=first and not options.quiet) as progress:
-        again = rerun(result, progress, options.output, trust=options.trust)
+        try:
+            again = rerun(result, progress, options.output, trust=options.trust)
+        except InputError as error:  # of what the file holds
+            raise type(error)(f"result file {options.result}: {error}") from error
     table, good = differences(result, again), agree(result, again)
     if first and options.json:
         say_json({"agree": good, "differences": table.to_dict("records")})

@@ -21,14 +21,20 @@ from bilayer.mesh.files import read_mesh_file
 from bilayer.runtime.input_file import read_text
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.units import in_si
-from bilayer.validation import one_of, positive, text, within
+from bilayer.validation import finite, one_of, positive, text, within
 
 Array = NDArray[np.float64]
 
 NODES = 800
 """Of a shape by formula: its facets are then within 0.15 % of the radius of a hemisphere."""
+LARGEST = 1e3
+"""Of a coordinate, m."""
+SMALLEST_AREA = 1e-9
+"""Of a target, over the square of its extent."""
 LONGEST_SIDE = 2.0
 """Of a triangle between points of a height map, over the usual distance of neighbours."""
+MOST_LARGER = 20.0
+"""Size of a target over that of the sheet, or the other way round: beyond, a unit is wrong."""
 MESHES = (".stl", ".ply", ".obj", ".off")
 TABLES = (".csv", ".xyz", ".txt")
 SIZES = ("fixed", "free")
@@ -88,16 +94,30 @@ def target_from_table(table: Mapping[str, Any], folder: Path, specimen: Specimen
         unit = given.pop("unit", "mm")
         if given:
             raise InputError(f"target.{next(iter(given))}: not together with target.file")
-        return Target(read_target(folder / name, unit), f"the shape of {Path(name).name}",
-                      size == "free")  # fmt: skip
+        return _of_this_size(Target(read_target(folder / name, unit),
+                                    f"the shape of {Path(name).name}", size == "free"),
+                             specimen)  # fmt: skip
     shape = one_of("target.shape", given.pop("shape", None), FORMULAS)
+    given = {name: finite(f"target.{name}", value) for name, value in given.items()}
     if shape in ("hemisphere", "cap") and "radius" not in given:
         angle = given.get("angle", math.pi / 2)
         given["radius"] = specimen.characteristic_length / angle
     numbers = ", ".join(f"{name} {value:.6g} {LENGTHS.get(name, '')}".strip()
                         for name, value in given.items())  # fmt: skip
     words = f"{shape}" + (f" ({numbers})" if numbers else "")
-    return Target(formula(shape, **given), words, size == "free")
+    return _of_this_size(Target(formula(shape, **given), words, size == "free"), specimen)
+
+
+def _of_this_size(target: Target, specimen: Specimen) -> Target:
+    """Return a target; InputError if it is far larger or smaller than the sheet."""
+    sheet = 2 * specimen.characteristic_length
+    if not sheet / MOST_LARGER < target.diagonal < MOST_LARGER * sheet:
+        raise InputError(
+            f"target: {target.words} is {target.diagonal:.3g} m from corner to corner and the "
+            f"sheet {sheet:.3g} m across, expected less than {MOST_LARGER:g} times between them; "
+            "a bare number is in m, a file in mm unless target.unit says so"
+        )
+    return target
 
 
 def cap(radius: float, angle: float = math.pi / 2) -> Surface:
@@ -195,8 +215,23 @@ def read_target(path: str | Path, unit: str = "mm") -> Surface:
     triangles = np.asarray(mesh.get_cells_type("triangle"), dtype=np.int64)
     if len(triangles) == 0:
         raise InputError(f"target.file = {str(path)!r}: has no triangles")
+    if not 0 <= triangles.min() <= triangles.max() < len(mesh.points):
+        raise InputError(
+            f"target.file = {str(path)!r}: a triangle has the point {triangles.max()}, expected "
+            f"one of {len(mesh.points)}"
+        )
     points, merged = np.unique(factor * mesh.points, axis=0, return_inverse=True)
-    return Surface(points, merged.reshape(-1)[triangles])
+    return _with_area(Surface(points, merged.reshape(-1)[triangles]))
+
+
+def _with_area(surface: Surface) -> Surface:
+    """Return a surface; InputError if its points are no numbers, or it has no area."""
+    points = surface.points
+    if not np.isfinite(points).all() or np.abs(points).max(initial=0) > LARGEST:
+        raise InputError(f"target: has points beyond {LARGEST:g} m or that are no numbers")
+    if surface.areas.sum() <= SMALLEST_AREA * np.ptp(points, axis=0).max(initial=0.0) ** 2:
+        raise InputError("target: its points lie on a line or in one point, expected a surface")
+    return surface
 
 
 def height_map(points: Array) -> Surface:
@@ -206,6 +241,13 @@ def height_map(points: Array) -> Surface:
     """
     if len(points) < 4 or points.shape[1] != 3 or not np.isfinite(points).all():
         raise InputError(f"target: has {len(points)} points, expected at least 4 of x, y and z")
+    from_middle = points[:, :2] - points[:, :2].mean(axis=0)
+    across, along = np.sort(np.linalg.svd(from_middle, compute_uv=False))
+    if along > LARGEST * len(points) or across <= SMALLEST_AREA * along:
+        raise InputError(
+            "target: its points lie on a line, in one place or beyond all lengths, expected a "
+            "height z above each place (x, y)"
+        )
     triangles = Delaunay(points[:, :2]).simplices
     flat = points[triangles][:, :, :2]
     sides = np.linalg.norm(flat - np.roll(flat, 1, axis=1), axis=2)

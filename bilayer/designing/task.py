@@ -19,6 +19,7 @@ from bilayer.designing.variables import (
     is_of_the_sheet,
     kind_of,
     value_of,
+    with_values,
 )
 from bilayer.designing.widths import LeastWidths
 from bilayer.errors import InputError
@@ -30,13 +31,15 @@ from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen, specimen_to_toml
 from bilayer.specimen.toml_text import parse_toml
 from bilayer.specimen.units import in_si
-from bilayer.validation import keep, nearest, not_negative, shown, whole
+from bilayer.validation import keep, nearest, not_negative, positive, shown, whole, within
 
 KEYS = ("specimen", "target", "free", "profile", "robust", "constraints", "search", "check")
 CONSTRAINTS = {
     "least_web": "m", "least_slot": "m", "least_radius": "m", "least_gap": "m",
 }  # fmt: skip
 DESIGN_SOLVER = "dshell"
+RADII = (Limits.least_radius, 1.0)
+"""Of the first box of the search."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,8 @@ class Check:
         if self.evaluations and not self.runs:
             raise InputError("check.runs = 0: expected at least 1 after check.evaluations")
         if self.mesh_size is not None:
-            keep(self, not_negative, "mesh_size", table="check.", unit="m")
+            keep(self, positive, "mesh_size", table="check.", unit="m")
+        keep(self, positive, "step", table="check.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +123,7 @@ class DesignTask:
                     f"free.{variable.name}: the specimen has {value_of(own, variable.name):.6g}, "
                     f"expected from {variable.low:.6g} to {variable.high:.6g}"
                 )
+            _check_bounds(own, variable)
         for name in self.robustness.of:
             if is_of_the_sheet(name):
                 raise InputError(f"robust.of: {name!r} moves the mesh, expected others")
@@ -140,6 +145,22 @@ class DesignTask:
             repr(self.limits), self.target.identity,
         ]  # fmt: skip
         return sha256(json.dumps(parts).encode()).hexdigest()[:16]
+
+
+def _check_bounds(specimen: Specimen, variable: Variable) -> None:
+    """Raise InputError if a variable cannot have one of its bounds, all else as it is.
+
+    Those of the sheet depend on each other; of them a negative one is refused.
+    """
+    name = variable.name
+    if is_of_the_sheet(name):
+        not_negative(f"free.{name}: from", variable.low)
+        return
+    for bound in (variable.low, variable.high):
+        try:
+            with_values(specimen, {name: bound})
+        except InputError as error:
+            raise InputError(f"free.{name}: {bound:g} is out of its range ({error})") from error
 
 
 def read_design(path: str | Path) -> DesignTask:
@@ -183,7 +204,9 @@ def read_design(path: str | Path) -> DesignTask:
                                               CONSTRAINTS), CONSTRAINTS)  # fmt: skip
     gap = {"least_gap": constraints.pop("least_gap")} if "least_gap" in constraints else {}
     search = dict(_table("search", tables.get("search", {})))
-    settings: Any = settings_from(settings_class(DESIGN_SOLVER), search.pop("settings", {}))
+    settings: Any = settings_from(
+        settings_class(DESIGN_SOLVER), _table("search.settings", search.pop("settings", {}))
+    )
     check = in_si(
         "check",
         _known("check", tables.get("check", {}), ("runs", "mesh_size", "step", "evaluations")),
@@ -247,7 +270,8 @@ def _numbers_named(specimen: Specimen, name: str) -> list[str]:
 def _limits(table: Mapping[str, Any]) -> Limits:
     _known("search", table, ("evaluations", "radius"))
     count = whole("search.evaluations", table.get("evaluations", 40), at_least=1, at_most=10_000)
-    return Limits(count, float(table.get("radius", Limits.radius)))
+    radius = within("search.radius", table.get("radius", Limits.radius), *RADII)
+    return Limits(count, radius)
 
 
 def _tables(path: Path) -> dict[str, Any]:

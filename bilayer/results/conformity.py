@@ -97,6 +97,12 @@ TEXTS = (*REQUIRED["attribute"], "start", NOT_MEASURED, "reference_surface", "hi
 """The attributes that are texts."""
 SMALLEST = {"iterations": 0, "load_steps": 0, "unstable_modes": -1, "converged": 0, "region": 0}
 LARGEST = {"converged": 1}
+PLACES = (
+    "reference_position", "position", "last_position", "volume_position",
+    "volume_reference_position",
+)  # fmt: skip
+FARTHEST = 1e6
+"""Of a node from the origin, m."""
 SCALAR_DIMS = (("prestretch",), ("prestretch", "xyz"))
 """Dimensions of the variables that hold a number, or three, for each milestone."""
 POSITIVE = ("prestretch", "prestretch_x", "prestretch_y")
@@ -239,6 +245,9 @@ def _check_range(name: str, values: Array) -> None:
     if name in SMALLEST:
         low = SMALLEST[name]
         _refuse(name, values, values < low, f"whole numbers of at least {low}")
+    if name in PLACES:
+        far = np.isfinite(values) & (np.abs(values) > FARTHEST)
+        _refuse(name, values, far, f"at most {FARTHEST:g} m")
     if name in LARGEST:
         _refuse(name, values, values > LARGEST[name], f"0 or {LARGEST[name]}")
 

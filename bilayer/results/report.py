@@ -106,8 +106,10 @@ def provenance(result: xr.Dataset) -> str:
 
 def _energies(result: xr.Dataset) -> str:
     """Return the sum of the energy terms (a weight has none) at each milestone reached."""
+    if "energy" not in result or result.sizes["term"] == 0:
+        return "unknown"
     total = 1e3 * result["energy"].sum("term", skipna=False).values[result["converged"].values == 1]
-    if len(total) == 0 or result.sizes["term"] == 0:
+    if len(total) == 0:
         return "unknown"
     return ", ".join(f"{energy:.5g}" for energy in total) + " mJ"
 

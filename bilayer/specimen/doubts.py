@@ -26,6 +26,7 @@ def doubts(specimen: Specimen) -> list[str]:
         *_strongly_stretched(specimen),
         *_thick(specimen),
         *_odd_materials(specimen),
+        *_nothing_relaxes(specimen),
     ]
 
 
@@ -96,4 +97,13 @@ def _strongly_compressed(specimen: Specimen) -> list[str]:
     return [
         f"prestretch {listed}: a layer is compressed to less than half its length before it is "
         "bonded; its wrinkles are not modelled, and few laws are measured so far"
+    ]
+
+
+def _nothing_relaxes(specimen: Specimen) -> list[str]:
+    if specimen.schedule is None or any(layer.relaxation.terms for layer in specimen.layers):
+        return []
+    return [
+        "[time]: no material relaxes, so all times have the same shape: expected "
+        "relaxation = [[share, time], ...] in one of [materials.NAME]"
     ]

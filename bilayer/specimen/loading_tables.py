@@ -60,6 +60,9 @@ def _support(name: str, content: Mapping[str, Any]) -> Support:
     if "kind" not in content:
         raise InputError(f"{where}.kind: missing, expected 'clamped', 'hinged' or 'guided'")
     part = _part(f"{where}.where", content.get("where", "rim"))
+    if not content.get("axes", True):
+        axes = shown(content["axes"])
+        raise InputError(f"{where}.axes = {axes}: expected some of 'xyz', such as 'z'")
     with fields_of(where):
         return Support(name, content["kind"], part, content.get("axes", ""))
 

@@ -17,6 +17,7 @@ import shapely
 from bilayer.errors import InputError, fields_of
 from bilayer.specimen.layer import BondedLayer, Layer
 from bilayer.specimen.load import FREE, Load, Milestone
+from bilayer.specimen.load_checks import check_loads, check_places
 from bilayer.specimen.obstacle import Obstacle, PlaneObstacle
 from bilayer.specimen.outline import Disc, Outline
 from bilayer.specimen.pattern import kept_share
@@ -145,6 +146,8 @@ class Specimen:
         for layer in self.layers:
             for milestone in self.prestretch.milestones:
                 layer.response.axial(milestone)
+        check_places(self)
+        check_loads(self)
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: a drawing, and the layers with their units."""

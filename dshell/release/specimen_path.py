@@ -274,6 +274,7 @@ class ShellPath:
         if state.shape not in (whole.shape, (without_turns,)):
             raise InputError(f"resume: state has the shape {state.shape}, expected {whole.shape}")
         whole[: len(state)] = state
+        self._check_has_energy(milestone, whole)
         self._path.move_to(
             ShellState(
                 milestone,
@@ -292,6 +293,13 @@ class ShellPath:
     def restore_neighbour(self, saved: Saved) -> None:
         """Be in a state that was saved of a specimen nearby."""
         self.restore({**saved, "unstable_modes": np.array(NOT_COUNTED)})
+
+    def _check_has_energy(self, milestone: Milestone, state: Array) -> None:
+        """Raise InputError if a state that a file holds is none of a sheet: all in one point."""
+        with np.errstate(all="ignore"):
+            terms = self._shell.model.energy_terms(stretch_of(milestone), state)
+        if not all(np.isfinite(term) for term in terms.values()):
+            raise InputError("resume: state has no finite energy, expected that of an equilibrium")
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the contact by milestone; an empty dataset if contact is not modelled."""

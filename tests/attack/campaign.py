@@ -16,6 +16,7 @@ from attack.judge import complaint, snapshot
 
 CLASSES = {
     "specimen file": "specimen_files",
+    "surroundings": "surroundings",
     "override": "overrides",
     "options": "options",
     "result bytes": "result_bytes",
@@ -26,6 +27,7 @@ CLASSES = {
     "frd file": "frd_files",
     "drawing file": "drawing_files",
     "material test": "measurement_files",
+    "design file": "design_files",
     "output": "outputs",
     "environment": "environment",
     "text": "texts",
@@ -114,6 +116,12 @@ def _shown(found: dict[str, str]) -> dict[str, str]:
 
 
 def _is_of_a_library(name: str) -> bool:
-    """Whether a name is that of a folder of Open MPI's session, or of gmsh's window toolkit."""
-    of_mpi = Path(name).name.startswith(("ompi.", "prte", "pmix")) or "/ompi." in name
-    return of_mpi or ".fltk" in Path(name).parts
+    """Whether a name is that of a folder of Open MPI's session, or one that libraries keep at home.
+
+    These are gmsh's window toolkit, matplotlib's settings (an empty folder) and fontconfig's list
+    of fonts, which it keeps there where there is no folder for caches.
+    """
+    parts = Path(name).parts
+    of_mpi = parts[-1].startswith(("ompi.", "prte", "pmix")) or "/ompi." in name
+    of_matplotlib = parts[-1] == ".config" or parts[-2:] == (".config", "matplotlib")
+    return of_mpi or of_matplotlib or ".fltk" in parts or ".fontconfig" in parts

@@ -122,7 +122,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         "--mesh-size",
         "0.03",
     )
-    for part in ("", "x", "volume"):
+    for part in ("", "x", "Volume"):
         yield of(f"convert --part {part!r}", "convert", "a_good.nc", "-o", "a.vtu", "--part", part)
     yield of(
         "convert --all --prestretch",
@@ -277,7 +277,7 @@ def _words() -> Iterator[Attempt]:
     ):
         yield of(f"only {word[:12]!r}", word)
     for verb in VERBS:
-        if verb != "init":
+        if verb not in NEED_NOTHING:
             yield of(f"{verb} alone", verb)
         yield of(f"{verb} --frobnicate", verb, "--frobnicate", says="frobnicate|required")
         yield of(f"{verb} too many", verb, *["x"] * 50)
@@ -289,6 +289,10 @@ def _words() -> Iterator[Attempt]:
         yield of(f"{verb} of a name too long", verb, *_enough(verb, "n" * 5000))
         yield of(f"{verb} of a name with an escape", verb, *_enough(verb, "\x1b]0;x\x07"))
         yield of(f"{verb} of a name with lines", verb, *_enough(verb, "a\nbilayer: error: b\n"))
+
+
+NEED_NOTHING = ("init", "demo", "settings")
+"""Verbs that do something when they are given no word."""
 
 
 def _enough(verb: str, name: str) -> tuple[str, ...]:
@@ -309,6 +313,12 @@ def _enough(verb: str, name: str) -> tuple[str, ...]:
         "cut": (name, "-o", "a.dxf"),
         "fit": (name,),
         "view": (name, "--no-open"),
+        "animate": (name, "-o", "a.gif"),
+        "barrier": (name, "1", "2", "-o", "a.nc"),
+        "demo": ("-o", f"none/{name}"),
+        "design": (name, "-o", "out"),
+        "settings": (name,),
+        "states": (name, "-o", "a.nc"),
     }.get(verb, (name, "-o", "a.x"))
 
 

@@ -167,7 +167,7 @@ def _changes(required: tuple[str, ...], bench: Any) -> dict[str, Callable[[Conte
         made[f"{name} has one more axis{open_}"] = values(lambda a: np.asarray(a)[..., None])
         made[f"{name} is complex-like pairs{open_}"] = values(lambda a: np.zeros((3, 7)))
         made[f"{name} is empty{open_}"] = values(lambda a: np.zeros((0,) * max(1, np.ndim(a))))
-        made[f"{name} is bytes{'?' if name not in INTEGER else open_}"] = values(
+        made[f"{name} is bytes{'' if name == 'face_nodes' else '?'}"] = values(
             lambda a: np.zeros(np.shape(a), dtype="i1")
         )
         made[f"{name} is nan{'?'}"] = values(lambda a: np.full(np.shape(a), np.nan))
@@ -239,7 +239,7 @@ def _by_hand() -> dict[str, Callable[[Content], None]]:
         "an unknown model?": _setting("model", "elsewhere"),
         "a solver with a path?": _setting("solver", "../../x"),
         "an unknown setting?": _setting("settings", "frobnicate = 1\n"),
-        "one node counted twice in a face": variable("face_nodes", put((0, 1), 0)),
+        "one node counted twice in a face?": variable("face_nodes", put((0, 1), 0)),
         "one face beyond the nodes": variable("face_nodes", put((0, 0), 10**6)),
         "one face below 0": variable("face_nodes", put((0, 0), -1)),
         "all faces the same": variable("face_nodes", lambda a: np.broadcast_to(a[:1], a.shape)),

@@ -128,6 +128,11 @@ def test_a_short_file_may_have_them_too():
         (("[loads.poke]", '[loads."a b"]'), "loads.'a b': expected a name"),
         (('["0 mm", 0]', '["0 N", 0]'), r"^loads.poke.where.point = '0 N': expected a length"),
         (('[["5 mm", "-10 mm"], ["5 mm", "10 mm"]]', "[[0, 0], [0, 0]]"), "two different points"),
+        (('["0 mm", 0]', '["1 m", 0]'), r"loads.poke.where = the point .1000, 0. mm: lies out"),
+        (('["5 mm", "10 mm"]]', '["5 mm", 0]]'), r"ends within the sheet at \(5, 0\) mm"),
+        (('kind = "guided"', 'kind = "guided"\naxes = ""'), "supports.right.axes = ''"),
+        (('"50 Pa"', '"50 MPa"'), "loads.blow.pressure = 5e.07 Pa: expected at most 1.25e.06 Pa"),
+        (('"2 mm"]', '"2 m"]'), "loads.poke.displacement = 2 m: expected at most 0.16 m"),
         (('["0 mm", 0]', "[0]"), r"loads.poke.where.point = \[0\]: expected \[x, y\]"),
     ],
 )  # fmt: skip

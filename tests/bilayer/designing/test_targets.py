@@ -78,3 +78,20 @@ def test_a_table_is_read_in_its_unit(tmp_path):
 def test_what_is_no_target_is_named(table, words, tmp_path):
     with pytest.raises(InputError, match=words):
         target_from_table(table, tmp_path, paper_specimen())
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("t.csv", "0,0,0\n1,0,0\n2,0,0\n3,0,0\n", "on a line"),
+        ("t.csv", "1,1,1\n" * 9, "in one place"),
+        ("t.csv", "0,0,0\n1e300,0,0\n0,1e300,0\n1e300,1e300,1\n", "beyond all lengths"),
+        ("t.obj", "v 0 0 0\nf 1 2 3\n", "a triangle has the point"),
+        ("t.obj", "v 0 0 0\nv nan 0 0\nv 0 9 0\nf 1 2 3\n", "no numbers"),
+        ("t.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "in one point"),
+    ],
+)
+def test_files_without_a_surface_are_bad_input(tmp_path, name, content, words):
+    (tmp_path / name).write_text(content)
+    with pytest.raises(InputError, match=words):
+        read_target(tmp_path / name)

@@ -89,6 +89,22 @@ def test_the_profile_of_equal_sectors_is_the_same_sheet(folder):
         ('of = ["kirigami.thickness"]', 'of = ["kirigami.pattern.inner_radius"]', "moves the mesh"),
         ('specimen = "specimen.toml"', 'specimen = "no.toml"', "no.toml"),
         ('specimen = "specimen.toml"', "specimen = 3", "specimen = 3"),
+        ("evaluations = 7", "radius = 'x'", "search.radius = 'x'"),
+        ("evaluations = 7", "radius = 2", "search.radius = 2"),
+        (
+            "settings = { tolerance = 1e-9 }",
+            "settings = 3",
+            r"search.settings = 3: expected a table",
+        ),
+        ("runs = 2", "step = -1", "check.step = -1"),
+        ('["0.5 mm", "2 mm"]', "[-1, 2]", "free.kirigami.thickness: -1 is out of its range"),
+        (
+            '["3 deg", "25 deg"]',
+            '["-3 deg", "25 deg"]',
+            "free.kirigami.pattern.half_angles.0: from",
+        ),
+        ('angle = "60 deg"', "radius = [1]", r"target.radius = \[1\]"),
+        ('angle = "60 deg"', "radius = 1e-12", "expected less than 20 times between them"),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named(folder, old, new, words):
