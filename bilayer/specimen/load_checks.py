@@ -1,16 +1,15 @@
 """Loads that no sheet of this kind can be meant to bear, and places where there is no sheet."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import shapely
 
 from bilayer.errors import InputError
+from bilayer.specimen.layer import Layer
 from bilayer.specimen.load import Load
+from bilayer.specimen.outline import Outline
 from bilayer.specimen.part import Part
-
-if TYPE_CHECKING:
-    from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.supported import Support
 
 MOST_FORCE = 100.0
 """Force over that which would stretch the sheet to twice its length: beyond, a unit is wrong."""
@@ -20,15 +19,15 @@ ON_EDGE = 1e-4
 """Distance over the characteristic length up to which a place is on the edge of the sheet."""
 
 
-def check_loads(specimen: "Specimen") -> None:
-    """Raise InputError if a load is far too large for a sheet.
+def check_loads(loads: Sequence[Load], layers: Sequence[Layer], length: float) -> None:
+    """Raise InputError if a load is far too large for a sheet of a characteristic length, m.
 
     A unit that was forgotten is a factor of 1e3 or more. The solvers would take minutes to find
     that there is no equilibrium.
     """
-    for load in specimen.loads:
+    for load in loads:
         most = MOST_WAY if load.kind == "displacement" else MOST_FORCE
-        unit_load = _unit_load(load, specimen)
+        unit_load = _unit_load(load, layers, length)
         largest = max(
             (abs(value) for value in load.values if not isinstance(value, str)), default=0
         )
@@ -40,11 +39,10 @@ def check_loads(specimen: "Specimen") -> None:
             )
 
 
-def _unit_load(load: Load, specimen: "Specimen") -> float:
+def _unit_load(load: Load, layers: Sequence[Layer], length: float) -> float:
     """Return the load that would stretch a sheet to about twice its length, in the load's unit."""
-    length = specimen.characteristic_length
-    thickness = sum(layer.thickness for layer in specimen.layers)
-    tension = sum(layer.thickness * layer.material.young_modulus for layer in specimen.layers)
+    thickness = sum(layer.thickness for layer in layers)
+    tension = sum(layer.thickness * layer.material.young_modulus for layer in layers)
     return {
         "pressure": tension / length,
         "force": tension * length,
@@ -54,11 +52,11 @@ def _unit_load(load: Load, specimen: "Specimen") -> float:
     }[load.kind]
 
 
-def check_places(specimen: "Specimen") -> None:
+def check_places(supports: Sequence[Support], loads: Sequence[Load], outline: Outline) -> None:
     """Raise InputError if a point lies outside of the sheet, or a line ends within it."""
-    near = ON_EDGE * specimen.characteristic_length
-    sheet = specimen.outline.polygon
-    for field, part in _parts(specimen):
+    near = ON_EDGE * outline.characteristic_length
+    sheet = outline.polygon
+    for field, part in _parts(supports, loads):
         if part.point is not None and sheet.distance(shapely.Point(part.point)) > near:
             raise InputError(f"{field} = {part}: lies outside of the sheet, expected a point of it")
         for x, y in _ends(part.line):
@@ -70,11 +68,11 @@ def check_places(specimen: "Specimen") -> None:
                 )
 
 
-def _parts(specimen: "Specimen") -> Iterator[tuple[str, Part]]:
+def _parts(supports: Sequence[Support], loads: Sequence[Load]) -> Iterator[tuple[str, Part]]:
     """Yield the parts that are held or loaded, each with its place in a file."""
-    for support in specimen.supports:
+    for support in supports:
         yield f"supports.{support.name}.where", support.part
-    for load in specimen.loads:
+    for load in loads:
         yield f"loads.{load.name}.where", load.part
 
 

@@ -146,8 +146,8 @@ class Specimen:
         for layer in self.layers:
             for milestone in self.prestretch.milestones:
                 layer.response.axial(milestone)
-        check_places(self)
-        check_loads(self)
+        check_places(self.supports, self.loads, self.outline)
+        check_loads(self.loads, self.layers, self.characteristic_length)
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: a drawing, and the layers with their units."""
