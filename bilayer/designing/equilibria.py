@@ -18,7 +18,7 @@ from bilayer.contact.self_contact import self_contact_gap
 from bilayer.contact.skin import BondedBody
 from bilayer.designing.mesh_motion import move_points
 from bilayer.designing.variables import is_of_the_sheet, value_of, with_values
-from bilayer.errors import InputError
+from bilayer.errors import ComputationError, InputError
 from bilayer.geometry.surface import Surface
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.progress import Progress
@@ -131,6 +131,7 @@ class DesignShape:
     ) -> None:
         self.specimen, self._mesh = specimen, mesh
         self._path, self.equilibrium = path, equilibrium
+        self._state_changes: dict[str, Array] = {}
 
     def close(self) -> None:
         """Free what the solver holds."""
@@ -193,9 +194,18 @@ class DesignShape:
         return np.array([self._change(name) for name in names])
 
     def _change(self, name: str) -> Array:
-        equations = self.linearised
-        residual, position = self._fixed_state_changes(name)
-        return position - equations.position_change(equations.solve(residual))
+        _, position = self._fixed_state_changes(name)
+        return position + self.linearised.position_change(self._state_change(name))
+
+    def state_changes(self, names: Sequence[str]) -> Array:
+        """Return the derivatives of the state by numbers of the design, (k, dofs)."""
+        return np.array([self._state_change(name) for name in names])
+
+    def _state_change(self, name: str) -> Array:
+        if name not in self._state_changes:
+            residual, _ = self._fixed_state_changes(name)
+            self._state_changes[name] = -self.linearised.solve(residual)
+        return self._state_changes[name]
 
     def _fixed_state_changes(self, name: str) -> tuple[Array, Array]:
         """Return the derivatives of residual and position by a number, the state fixed."""
@@ -214,7 +224,11 @@ def _shape_equations(equations: Linearised) -> ShapeLinearised:
 
 
 def find_shape(
-    model: Model, specimen: Specimen, mesh: SheetMesh, near: Saved | None = None
+    model: Model,
+    specimen: Specimen,
+    mesh: SheetMesh,
+    near: Saved | None = None,
+    change: Array | None = None,
 ) -> DesignShape:
     """Return the shape of a design; whoever asks for it closes it.
 
@@ -229,6 +243,9 @@ def find_shape(
     near : mapping, optional
         A saved equilibrium of a design nearby on the same moving mesh; if left out, the model's
         start.
+    change : (dofs,) array of float, optional
+        By how much the state is expected to differ from that one's; if this leads nowhere, the path
+        goes there by load steps.
 
     Raises
     ------
@@ -237,6 +254,22 @@ def find_shape(
     InputError
         The mesh cannot be moved so far.
     """
+    if near is not None and change is not None:
+        try:
+            return _found(model, specimen, mesh, near, change)
+        except ComputationError:
+            pass
+    return _found(model, specimen, mesh, near)
+
+
+def _found(
+    model: Model,
+    specimen: Specimen,
+    mesh: SheetMesh,
+    near: Saved | None,
+    change: Array | None = None,
+) -> DesignShape:
+    target = specimen.prestretch.milestones[-1]
     path = model.solver.open_path(
         specimen,
         model.settings if near is None or model.nearby is None else model.nearby,
@@ -248,7 +281,7 @@ def find_shape(
     with ExitStack() as opened:
         opened.callback(path.close)
         if near is not None:
-            path.restore_neighbour(near)
-        *_, last = path.approach(specimen.prestretch.milestones[-1])
+            path.restore_neighbour(near, None if change is None else target, change)
+        *_, last = path.approach(target)
         opened.pop_all()
     return DesignShape(specimen, mesh, path, last)

@@ -49,6 +49,8 @@ class ShapeFound:
         Of the target.
     saved : mapping
         The equilibrium.
+    state_changes : (k, dofs) array of float
+        Derivatives of its state by the scaled variables.
     """
 
     distance: float
@@ -60,6 +62,7 @@ class ShapeFound:
     position: Array
     place: Place
     saved: Mapping[str, NDArray[Any]]
+    state_changes: Array
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return all of it as arrays, for a file."""
@@ -70,6 +73,7 @@ class ShapeFound:
             "position": self.position,
             "rotation": self.place.rotation,
             "shift": self.place.shift,
+            "state_changes": self.state_changes,
             **{f"{SAVED}{name}": value for name, value in self.saved.items()},
         }
 
@@ -92,6 +96,7 @@ class ShapeFound:
             arrays["position"],
             Place(arrays["rotation"], arrays["shift"], numbers[6]),
             saved,
+            arrays["state_changes"],
         )
 
 
@@ -171,7 +176,8 @@ class Evaluator:
             near = parts[0].found if best is None and parts else None
             near = best.shapes[number] if best is not None else near
             slopes = self._task.variables.ranges * scenario.slopes(self._task.variables.names)
-            parts.append(self._part(scenario.specimen(nominal), near, slopes))
+            step = None if best is None else point - best.point
+            parts.append(self._part(scenario.specimen(nominal), near, step, slopes))
         return self._total(point, parts)
 
     def _total(self, point: Array, parts: list["_Part"]) -> Evaluation:
@@ -189,10 +195,17 @@ class Evaluator:
             tuple(part.found for part in parts),
         )
 
-    def _part(self, specimen: Specimen, near: ShapeFound | None, slopes: Array) -> "_Part":
-        """Return what one scenario adds; slopes: derivatives of its numbers by the variables."""
+    def _part(
+        self, specimen: Specimen, near: ShapeFound | None, step: Array | None, slopes: Array
+    ) -> "_Part":
+        """Return what one scenario adds.
+
+        step: of the variables from the design of the shape nearby, None if that is of this one.
+        slopes: derivatives of its numbers by the variables.
+        """
         saved = None if near is None else near.saved
-        with closing(find_shape(self._model, specimen, self._sheet, saved)) as shape:
+        change = None if near is None or step is None else step @ near.state_changes
+        with closing(find_shape(self._model, specimen, self._sheet, saved, change)) as shape:
             return self._part_of(shape, near, slopes)
 
     def _part_of(self, shape: DesignShape, near: ShapeFound | None, slopes: Array) -> "_Part":
@@ -212,7 +225,7 @@ class Evaluator:
             np.asarray(curvature),
             penalty,
             penalty_slope,
-            _found(shape, distance),
+            _found(shape, distance, shape.state_changes(names) * slopes[:, None]),
         )  # fmt: skip
 
     def _penalty(self, shape: DesignShape, slopes: Array) -> tuple[float, Array]:
@@ -240,7 +253,7 @@ class _Part:
     found: ShapeFound
 
 
-def _found(shape: DesignShape, distance: Distance) -> ShapeFound:
+def _found(shape: DesignShape, distance: Distance, state_changes: Array) -> ShapeFound:
     here = shape.equilibrium
     if not np.isfinite(distance.mean_square):
         raise ComputationError("the shape has no finite distance from the target")
@@ -254,4 +267,5 @@ def _found(shape: DesignShape, distance: Distance) -> ShapeFound:
         here.position,
         distance.place,
         here.save(),
+        state_changes,
     )

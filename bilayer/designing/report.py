@@ -15,11 +15,13 @@ import numpy as np
 from bilayer.cutting.files import CutFile, write_cut_files
 from bilayer.designing.distance import Place
 from bilayer.designing.evaluation import ShapeFound
+from bilayer.designing.height_image import PIXELS, similarity
 from bilayer.designing.run import DesignOutcome
 from bilayer.designing.variables import UNITS, kind_of, value_of
 from bilayer.geometry.nearest_point import NearestPoint
 from bilayer.geometry.surface import Surface
 from bilayer.measures.shape import measure_shape
+from bilayer.mesh.planar import flat_surface
 from bilayer.runtime.output_file import whole_file
 from bilayer.specimen.toml import specimen_to_toml
 
@@ -52,12 +54,7 @@ def _draw(outcome: DesignOutcome, folder: Path) -> None:
     from bilayer.figures.design import draw_search, draw_target  # matplotlib takes half a second
     from bilayer.figures.saving import save_figure
 
-    last = outcome.checks[-1] if outcome.checks else None
-    if last is None:
-        found = outcome.from_flat.shapes[0]
-        shape, at = Surface(found.position, outcome.mesh.triangles), found.place
-    else:
-        shape, at = last.surface, last.distance.place
+    shape, at = _last_shape(outcome)
     target = placed(outcome.task.target.surface, at)
     away = NearestPoint(target).vectors_to(shape.corners.mean(axis=1))
     save_figure(draw_target(shape, target, np.linalg.norm(away, axis=1)), folder / "shape.png")
@@ -93,6 +90,8 @@ def report_text(outcome: DesignOutcome, parts: Sequence[CutFile]) -> str:
         *_numbers(outcome),
         "",
         *_distances(outcome),
+        "",
+        _seen_from_above(outcome),
         "",
         "![The search](search.png)",
         "",
@@ -161,6 +160,25 @@ def _distances(outcome: DesignOutcome) -> Iterable[str]:
             f"finite elements, run {number}", away.rms, away.mean, away.largest,
             outcome.task.target.diagonal, check.quality, check.hemisphere_distance, check.gap,
         )  # fmt: skip
+
+
+def _seen_from_above(outcome: DesignOutcome) -> str:
+    shape, _ = _last_shape(outcome)
+    found = similarity(outcome.task.target.surface, shape, flat_surface(outcome.mesh))
+    return (
+        f"Heights seen from above, {PIXELS} x {PIXELS} pixels: their similarity SSIM with those of "
+        f"the target is {found.shape:.3f}. That of a plain cap of the target's area and height is "
+        f"{found.plain_cap:.3f}, that of the flat sheet {found.flat:.3f}."
+    )
+
+
+def _last_shape(outcome: DesignOutcome) -> tuple[Surface, Place]:
+    """Return the shape of the last check, or else of the shell, and the target's place."""
+    if outcome.checks:
+        last = outcome.checks[-1]
+        return last.surface, last.distance.place
+    found = outcome.from_flat.shapes[0]
+    return Surface(found.position, outcome.mesh.triangles), found.place
 
 
 def _row(

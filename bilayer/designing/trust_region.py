@@ -27,6 +27,8 @@ GOOD, ENOUGH = 0.7, 0.05
 SHRINK, FAIL, GROW = 0.5, 0.3, 2.0
 DAMPING = 0.2
 LARGEST_RADIUS = 0.5
+BELOW, ABOVE = 0.7, 1.2
+"""The box grows to so much of a step that was in vain, and to so much more after each good one."""
 DIFFERENCE = 1e-5
 """Of a variable, for the slopes of the constraints."""
 
@@ -97,6 +99,8 @@ class Iterate(Generic[E]):
         Of the model.
     failure : str
         Why the last evaluation failed; empty if it did not.
+    ceiling : float
+        To which the radius may grow: less than of steps that were in vain.
     """
 
     evaluations: int
@@ -106,6 +110,7 @@ class Iterate(Generic[E]):
     radius: float
     curvature: Array
     failure: str = ""
+    ceiling: float = LARGEST_RADIUS
 
 
 def search(
@@ -191,8 +196,11 @@ def _after(here: Iterate[E], step: Array, evaluate: Callable[[Array, E | None], 
     try:
         there = evaluate(here.point + step, here.best)
     except NoValueError as error:
-        radius = FAIL * min(here.radius, float(np.abs(step).max()))
-        return replace(here, evaluations=count, tried=None, radius=radius, failure=str(error))
+        length = min(here.radius, float(np.abs(step).max()))
+        return replace(
+            here, evaluations=count, tried=None, radius=FAIL * length, failure=str(error),
+            ceiling=BELOW * length,
+        )  # fmt: skip
     expected = -float(here.best.gradient @ step + step @ here.curvature @ step / 2)
     fall = here.best.value - there.value
     curvature = there.curvature
@@ -201,18 +209,22 @@ def _after(here: Iterate[E], step: Array, evaluate: Callable[[Array, E | None], 
     ratio = fall / expected if expected > 0 else -1.0
     taken = ratio > ENOUGH and there.is_admissible
     length = float(np.abs(step).max())
-    radius = here.radius
+    radius, ceiling = here.radius, here.ceiling
     if not taken or ratio < ENOUGH:
         radius = SHRINK * min(radius, length)
+        ceiling = BELOW * min(here.radius, length)
     elif ratio > GOOD and length > 0.8 * radius:
-        radius = min(GROW * radius, LARGEST_RADIUS)
+        ceiling = min(ABOVE * ceiling, LARGEST_RADIUS)
+        radius = max(radius, min(GROW * radius, ceiling))
     if taken:
-        return Iterate(count, here.point + step, there, there, radius, curvature)
+        point = here.point + step
+        return Iterate(count, point, there, there, radius, curvature, ceiling=ceiling)
     if there.curvature is not None:
         curvature = here.curvature
     return replace(
-        here, evaluations=count, tried=there, radius=radius, curvature=curvature, failure=""
-    )
+        here, evaluations=count, tried=there, radius=radius, curvature=curvature, failure="",
+        ceiling=ceiling,
+    )  # fmt: skip
 
 
 def updated(curvature: Array, step: Array, change: Array) -> Array:

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 UNITS = {
     "thickness": "m", "inner_radius": "m", "width": "m", "height": "m", "half_angles": "rad",
-    "cutout_angle": "rad", "modulus": "Pa", "outer_radius": "m",
+    "cutout_angle": "rad", "modulus": "Pa", "outer_radius": "m", "radius": "m",
 }  # fmt: skip
 """The SI unit of a number by its kind, the last word of its name."""
 

@@ -273,12 +273,23 @@ class SpecimenPath(Path[Milestone, Equilibrium], Protocol):
         machine, as if the path had never been left.
         """
 
-    def restore_neighbour(self, saved: Saved) -> None:
+    def restore_neighbour(
+        self, saved: Saved, target: Milestone | None = None, change: Array | None = None
+    ) -> None:
         """Be where an equilibrium of a specimen nearby was saved, which is none of this one.
 
         The neighbour has a mesh of the same triangles, its nodes moved a little, and the settings
         of this path, which was opened with `start=None`. What the neighbour had learnt on its way
         is forgotten.
+
+        Parameters
+        ----------
+        saved : mapping
+            From `Equilibrium.save` of the neighbour.
+        target : tuple of float, optional
+            Where the path shall be instead: at a milestone of its own.
+        change : (dofs,) array of float, optional
+            By how much the state there is expected to differ from the neighbour's.
         """
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:

@@ -196,7 +196,9 @@ class PaperPath:
     def restore(self, saved: Saved) -> None:
         """Do nothing: the next run begins flat."""
 
-    def restore_neighbour(self, saved: Saved) -> None:
+    def restore_neighbour(
+        self, saved: Saved, target: Milestone | None = None, change: Array | None = None
+    ) -> None:
         """Do nothing: the next run begins flat."""
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:

@@ -290,9 +290,18 @@ class ShellPath:
             memory.restore(saved, blocks)
             self._visited = 1 + int(np.searchsorted(schedule.milestones, memory.time))
 
-    def restore_neighbour(self, saved: Saved) -> None:
-        """Be in a state that was saved of a specimen nearby."""
-        self.restore({**saved, "unstable_modes": np.array(NOT_COUNTED)})
+    def restore_neighbour(
+        self, saved: Saved, target: Milestone | None = None, change: Array | None = None
+    ) -> None:
+        """Be in a state that was saved of a specimen nearby, or in the one that is expected."""
+        self.restore(
+            {
+                **saved,
+                "unstable_modes": np.array(NOT_COUNTED),
+                "stretch": saved["stretch"] if target is None else np.array(target),
+                "state": saved["state"] if change is None else saved["state"] + change,
+            }
+        )
 
     def _check_has_energy(self, milestone: Milestone, state: Array) -> None:
         """Raise InputError if a state that a file holds is none of a sheet: all in one point."""

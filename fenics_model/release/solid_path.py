@@ -415,13 +415,18 @@ class SolidPath:
         self._shapes, self._start = known.shapes, known.start
         self._load(self._continuation.parameter)
 
-    def restore_neighbour(self, saved: Saved) -> None:
+    def restore_neighbour(
+        self, saved: Saved, target: Milestone | None = None, change: Array | None = None
+    ) -> None:
         """Be near the state that was saved of a specimen nearby, moved onto the held points."""
         known = SavedPath.from_arrays(saved, self.numbering)
-        for target in known.targets:
-            self.loads.add_target(target)
+        for earlier in known.targets:
+            self.loads.add_target(earlier)
         parameter, _ = known.equilibria[-1]
-        values = self._onto_held_points(np.asarray(saved["equilibrium"][-1]))
+        if target is not None:
+            parameter = self.loads.add_target(target)
+        here = np.asarray(saved["equilibrium"][-1])
+        values = self._onto_held_points(here if change is None else here + change)
         self._continuation.begin_at(parameter, State(self.numbering.spread(values)))
         self._start = known.start
         self._load(parameter)

@@ -87,6 +87,22 @@ def test_the_direct_derivative_is_that_of_the_adjoint(design):
     assert not isinstance(shape.linearised, PointsLinearised)
 
 
+def test_the_expected_state_leads_straight_to_a_neighbour(design):
+    """Thickness, cuts and prestretch at once; without what is expected it takes more."""
+    specimen, sheet, shape = design
+    names, steps = list(FAMILIES), [0.01, 3e-5, 5e-5, 4e3, 4e-4, 0.01]
+    values = {name: value_of(specimen, name) + h for name, h in zip(names, steps, strict=True)}
+    saved, change = shape.equilibrium.save(), np.array(steps) @ shape.state_changes(names)
+    counts, positions = [], []
+    for expected in (change, None):
+        changed = with_values(specimen, values)
+        with closing(find_shape(MODEL, changed, sheet, saved, expected)) as there:
+            counts.append(there.equilibrium.effort.iterations)
+            positions.append(there.equilibrium.position)
+    assert counts[0] < counts[1]
+    assert positions[0] == pytest.approx(positions[1], abs=1e-7)
+
+
 def test_a_neighbour_is_moved_onto_the_held_points(design):
     """A saved state that has turned is the same equilibrium: hardly an iteration is needed."""
     from scipy.spatial.transform import Rotation

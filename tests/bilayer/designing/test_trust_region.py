@@ -16,6 +16,15 @@ class Value:
     is_admissible: bool = True
 
 
+@dataclass(frozen=True, eq=False)
+class At:
+    point: np.ndarray
+    value: float
+    gradient: np.ndarray
+    curvature: np.ndarray
+    is_admissible: bool = True
+
+
 CENTRE = np.array([0.3, 0.9, 1.4])
 STIFF = np.array([[4.0, 1.0, 0.0], [1.0, 30.0, 2.0], [0.0, 2.0, 1.0]])
 
@@ -61,6 +70,22 @@ def test_the_box_shrinks_where_there_is_no_value_and_the_search_goes_on():
     found = last(half_blind, 40)
     assert any(point[0] < 0.4 for point in tried)
     assert 0.4 <= found.point[0] < 0.42
+
+
+def test_a_step_that_was_in_vain_is_not_tried_again_soon():
+    """Far from the least value all steps are as long as the box, and none longer succeeds."""
+
+    def short_sighted(point, best):
+        if best is not None and np.abs(point - best.point).max() > 0.06:
+            raise NoValueError("too far")
+        here = bowl(point, best)
+        return At(point, here.value, here.gradient, STIFF)
+
+    steps = list(search(short_sighted, np.array([0.3, 0.9, 0.0]), Limits(12, 0.05)))
+    assert [step.failure != "" for step in steps[:5]] == [False, False, True, False, False]
+    in_vain = steps[1].radius
+    assert in_vain == pytest.approx(0.1)
+    assert steps[4].radius == pytest.approx(0.7 * in_vain * 1.2**2)  # and not 0.12
 
 
 def test_it_does_not_stay_where_it_may_not():
