@@ -42,6 +42,7 @@ OTHERS: Mapping[str, Sequence[str]] = {
 """Cases beside the maps, each by what it changes of the specimen."""
 
 COLUMNS = ("reached", "unstable", "iterations", "factorisations", "CPU s", "flow steps")
+NOT_COMPUTED = "not computed"
 MOST_ITERATIONS, MOST_TIMES_MEDIAN = 40, 5.0
 """Of the median case, and of the slowest one over the time of the median."""
 
@@ -155,8 +156,21 @@ def summary(table: pd.DataFrame) -> list[str]:
     ]
 
 
-def page(maps: pd.DataFrame, others: pd.DataFrame) -> str:
-    """Return the page of the tables."""
+def page(
+    maps: pd.DataFrame,
+    others: pd.DataFrame,
+    map_names: Sequence[str] = (),
+    other_names: Sequence[str] = (),
+) -> str:
+    """Return the page of the tables.
+
+    Parameters
+    ----------
+    maps, others : DataFrame
+        Rows of the cases that are computed.
+    map_names, other_names : sequence of str
+        All cases, in their order; those without a row are said not to be computed.
+    """
     return "\n".join([
         "# The maps with the finite-element model",
         "",
@@ -170,18 +184,22 @@ def page(maps: pd.DataFrame, others: pd.DataFrame) -> str:
         "",
         *[f"- {line}" for line in summary(maps)],
         "",
-        *_rows(maps),
+        *_rows(maps, map_names),
         "",
         "## Beside the maps",
         "",
-        *_rows(others),
+        *_rows(others, other_names),
         "",
     ])  # fmt: skip
 
 
-def _rows(table: pd.DataFrame) -> list[str]:
+def _rows(table: pd.DataFrame, names: Sequence[str] = ()) -> list[str]:
     lines = ["| case | " + " | ".join(COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
-    for name, row in table.iterrows():
+    for name in names or table.index:
+        if name not in table.index:
+            lines.append(f"| {name} | {NOT_COMPUTED}" + " |" * len(COLUMNS))
+            continue
+        row = table.loc[name]
         shown = [f"{row[c]:.1f}" if c == "CPU s" else str(row[c]) for c in COLUMNS]
         lines.append(f"| {name} | " + " | ".join(shown) + " |")
     return lines
@@ -210,10 +228,10 @@ def run(names: Sequence[str], folder: Path, page_file: Path | None) -> int:
     tables = [cost_table(cases, folder) for cases in (maps, others)]
     if not tables[0].empty:
         print("\n".join(summary(tables[0])))
-    whole = all(len(t) == len(c) for t, c in zip(tables, (maps, others), strict=True))
-    if page_file is not None and whole:
+    if page_file is not None and not tables[0].empty:
+        names = ([case.name for case in cases] for cases in (maps, others))
         with whole_file(page_file, "page") as partial:
-            partial.write_text(page(*tables), encoding="utf-8")
+            partial.write_text(page(*tables, *names), encoding="utf-8")
     return 0
 
 
@@ -228,7 +246,10 @@ def _options(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("cases", nargs="*", metavar="CASE", help="some by name; all if left out")
     parser.add_argument("--folder", type=Path, default=RESULTS, help="of the result files")
     parser.add_argument(
-        "--page", type=Path, metavar="FILE.md", help="write the tables there when all are computed"
+        "--page",
+        type=Path,
+        metavar="FILE.md",
+        help="write the tables there, and which cases are not computed",
     )
     return parser.parse_args(words)
 

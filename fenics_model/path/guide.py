@@ -4,7 +4,8 @@ A shape of the guide, made a state of the solid, differs from the solid's equili
 The defect at the next parameter is extrapolated from the last three and added to the guide's state.
 This is the initial guess of Newton's method. If the solution is far from the guess, it is on
 another branch, and the step is rejected. If there is no solution, the body flows from the guess to
-a stable equilibrium; if it finds none, the step is rejected.
+a stable equilibrium; if it finds none, the step is rejected. From a guess with elements inside out
+no flow can begin. Then it flows from the last equilibrium, at the loads of the next.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -164,8 +165,7 @@ class Guide:
         if outcome.converged:
             return outcome, effort
         if not np.isfinite(self._newton.residual_norm(guess)):
-            self.reject_shape(there, outcome.reason)
-            return outcome, effort
+            self._guess = before  # the shape has folds in which elements are inside out
         flowed = self.flow_from_shape(there, accepted, reference, outcome.reason)
         effort += flowed.effort
         return (outcome if flowed.equilibrium is None else flowed.equilibrium), effort
@@ -191,7 +191,7 @@ class Guide:
     def flow_from_shape(
         self, there: float, accepted: float, reference: float, reason: str
     ) -> FlowOutcome:
-        """Flow to a stable equilibrium from the shape of the last step, which did not lead to one.
+        """Flow to a stable equilibrium from the guess of the last step, which did not lead to one.
 
         The shape is rejected if that fails, too, for the reason why the step did.
         """

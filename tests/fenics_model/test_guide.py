@@ -113,6 +113,19 @@ def test_from_a_shape_on_another_branch_the_disc_flows(shell, stepped, mesh):
 
 
 @needs_dolfinx
+def test_where_a_shape_is_inside_out_the_disc_flows_from_where_it_is(shell, stepped, mesh):
+    """No state can be made of crumpled paper; nothing is left for load steps."""
+    crumpled = shell.copy(deep=True)
+    rng = np.random.default_rng(0)
+    crumpled["position"] += rng.normal(scale=4e-3, size=crumpled["position"].shape)
+    led = solve(COARSE.with_milestones([1.03]), "fenics", mesh=mesh, start=crumpled)
+    assert led["position"].values[0] == pytest.approx(stepped["position"].values[0], abs=1e-9)
+    assert led["stabilised_steps"].values[0] > 0
+    assert led["load_steps"].values[0] == 1
+    assert "not followed" not in led.attrs["start"]
+
+
+@needs_dolfinx
 def test_a_shape_that_leads_nowhere_is_followed_by_load_steps(shell, stepped, mesh):
     """Without the flow a mirror image leads nowhere; the result says so."""
     mirrored = shell.copy(deep=True)

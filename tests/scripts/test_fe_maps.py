@@ -39,6 +39,10 @@ def test_the_page_has_what_each_case_took(tmp_path):
     row = f"| one sheet | 1 of 1 | 0 | {int(result['iterations'].sum())} | "
     assert text.count(row) == 2
     assert "- not reached: 0 points (asked: 0)" in text
+    assert fe_maps.NOT_COMPUTED not in text
+    text = fe_maps.page(table, table, ["one sheet", "another"], ["another"])
+    assert text.count(row) == 1
+    assert text.count(f"| another | {fe_maps.NOT_COMPUTED} |") == 2
 
 
 def test_a_point_that_is_missed_or_unstable_is_counted():
