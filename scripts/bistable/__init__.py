@@ -1,0 +1,1 @@
+"""The published bistable sheets: cases, rows of the table, page and figure."""
