@@ -37,12 +37,15 @@ if TYPE_CHECKING:
         save_figure,
     )
     from bilayer.figures.animation import save_animation
+    from bilayer.figures.fit import draw_fits
+    from bilayer.figures.scan import draw_scan
     from bilayer.fitting.fit import fit
     from bilayer.fitting.measurement import Measurement, read_measurement
     from bilayer.landscape.barrier import barrier
     from bilayer.landscape.lower import look_below
     from bilayer.landscape.lowest import take_lowest
     from bilayer.landscape.search import states
+    from bilayer.mechanics.selection import scalar_field
     from bilayer.mesh.generation import generate_mesh
     from bilayer.mesh.planar import PlanarMesh
     from bilayer.mesh.planar_files import read_planar_mesh, write_planar_mesh
@@ -115,12 +118,15 @@ _MODULES = {
         "save_figure",
     ),
     "bilayer.figures.animation": ("save_animation",),
+    "bilayer.figures.fit": ("draw_fits",),
+    "bilayer.figures.scan": ("draw_scan",),
     "bilayer.fitting.fit": ("fit",),
     "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
     "bilayer.landscape.barrier": ("barrier",),
     "bilayer.landscape.lower": ("look_below",),
     "bilayer.landscape.lowest": ("take_lowest",),
     "bilayer.landscape.search": ("states",),
+    "bilayer.mechanics.selection": ("scalar_field",),
     "bilayer.mesh.generation": ("generate_mesh",),
     "bilayer.mesh.planar": ("PlanarMesh",),
     "bilayer.mesh.planar_files": ("read_planar_mesh", "write_planar_mesh"),

@@ -19,6 +19,17 @@ def draw_fits(fits: Sequence[Fit]) -> Figure:
     ----------
     fits : sequence of Fit
         Of the same measurements.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> import numpy as np
+    >>> stretch = np.linspace(1.02, 1.5, 25)
+    >>> stress = 100e3 * (stretch - stretch**-2.0)
+    >>> test = bilayer.Measurement("exact", "uniaxial", stretch, stress)
+    >>> fits = [bilayer.fit([test], law) for law in ("neo-hookean", "yeoh")]
+    >>> len(bilayer.draw_fits(fits).axes)
+    2
     """
     with print_style():
         figure = new_figure(4.5, 5.0)

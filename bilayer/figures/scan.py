@@ -21,6 +21,18 @@ def draw_scan(scan: Cloud, match: ScanMatch) -> Figure:
         All of its points are drawn, or many.
     match : ScanMatch
         Of the milestone that is drawn, made with all points of the scan.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> scan = bilayer.Cloud("itself", result["position"].values[0])
+    >>> (best,) = bilayer.compare_scan(result, scan)
+    >>> bilayer.draw_scan(scan, best).axes[0].get_xlabel()
+    'x (mm)'
     """
     counted = np.flatnonzero(~match.outliers)
     shown = counted[:: max(1, len(counted) // SHOWN)]

@@ -101,6 +101,18 @@ def scalar_field(fields: xr.Dataset, name: str) -> ScalarField:
     ------
     InputError
         There is no such field, or the name does not choose one number; the text says what is left.
+
+    Examples
+    --------
+    >>> import bilayer
+    >>> from dataclasses import replace
+    >>> specimen = bilayer.paper_specimen().with_milestones([1.03])
+    >>> specimen = replace(specimen, mesh=bilayer.MeshSize(0.012))  # coarse: for the example
+    >>> result = bilayer.solve(specimen, "dshell")
+    >>> field = bilayer.scalar_field(bilayer.fields(result), "mean_curvature")
+    >>> figure = bilayer.draw_shapes(result, field=field)
+    >>> field.unit
+    '1/mm'
     """
     variable, *choices = name.split(".")
     needs_layers(name)

@@ -20,6 +20,7 @@ from bilayer.study.plan import StudyPlan
 from bilayer.study.processes import compute_in_processes
 from bilayer.study.rank_groups import compute_on_ranks, prepare_on_first_rank
 from bilayer.study.records import CASE_FAILED, CASE_LACKS_MEMORY
+from bilayer.study.script import check_script, end_if_imported_by_a_worker
 from bilayer.validation import one_of
 
 LONGEST, CHEAPEST = "longest", "cheapest"
@@ -76,7 +77,8 @@ def run_study(
     Raises
     ------
     InputError
-        The folder cannot be made.
+        The folder cannot be made, or a script calls this when it is imported: the processes that
+        compute the cases import it, so the call belongs under `if __name__ == "__main__":`.
     ComputationError
         Another study runs in the folder, or it cannot be written any more, for example on a full
         disk; the cases that are finished stay.
@@ -96,6 +98,8 @@ def run_study(
     >>> plan = bilayer.read_study(folder / "study.toml")
     >>> index = bilayer.run_study(plan, folder / "study")  # doctest: +SKIP
     """
+    end_if_imported_by_a_worker()
+    check_script()
     folder, told = StudyFolder(path), notice or _tell_nobody
     set_aside_strange(folder, told)
     folder.make()

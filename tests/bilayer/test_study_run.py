@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -24,6 +25,7 @@ from bilayer.study.plan import read_study
 from bilayer.study.run import cases_to_compute, run_study
 from dshell.release.specimen_path import ShellPath
 
+ROOT = Path(__file__).parents[2]
 ONE_TOO_LARGE = QUICK + '[vary]\n"mesh.size" = [0.016, 1e-6]\n'
 TWO_ANGLES = QUICK + '[vary]\n"cut.cutout_angle" = [0.3, 0.4]\n'
 LONG = QUICK.replace("0.002", "0.04")
@@ -427,3 +429,32 @@ def test_what_a_finished_case_left_unfinished_is_removed_by_the_next_start(study
     assert main(words) == 0
     assert not left.exists()
     assert finished.stat().st_mtime_ns == before
+
+
+def test_a_script_without_a_guard_is_told_so(tmp_path):
+    file = write_study(tmp_path, QUICK + '[vary]\n"prestretch.milestones" = [1.03]\n')
+    call = f"index = bilayer.run_study(bilayer.read_study({str(file)!r}), 'out', jobs=1)\n"
+    bare, guarded = tmp_path / "bare.py", tmp_path / "guarded.py"
+    bare.write_text("import bilayer\n" + call)
+    guarded.write_text(
+        "import bilayer\nif __name__ == '__main__':\n    "
+        + call
+        + "    print(list(index.status))\n"
+    )
+    failed = run_script(bare)
+    assert failed.returncode == 1
+    assert "bare.py: run_study is called when the script is imported" in failed.stderr
+    assert not (tmp_path / "out").exists()
+    assert run_script(guarded).stdout == "['done']\n"
+
+
+def run_script(file):
+    words = [sys.executable, file.name]
+    return subprocess.run(
+        words,
+        cwd=file.parent,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )

@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 import bilayer
-from bilayer.figures.fit import draw_fits
 
 DATA = Path(sys.argv[0]).resolve().parent / "vhb4910_uniaxial.csv"
 measured = bilayer.read_measurement(DATA, "uniaxial")
@@ -33,5 +32,5 @@ specimen = bilayer.paper_specimen().with_layer("substrate", material=fits[2].law
 assert specimen.layer("substrate").material is fits[2].law
 
 # %%
-figure = draw_fits(fits)
+figure = bilayer.draw_fits(fits)
 bilayer.save_figure(figure, "material_fit.png")

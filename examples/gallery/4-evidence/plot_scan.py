@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 
 import bilayer
-from bilayer.figures.scan import draw_scan
 
 specimen = bilayer.paper_specimen()
 result = bilayer.solve(
@@ -36,5 +35,5 @@ assert best is matches[1]
 assert best.rms < 0.5e-3
 
 # %%
-figure = draw_scan(scan, best)
+figure = bilayer.draw_scan(scan, best)
 bilayer.save_figure(figure, "scan.png")

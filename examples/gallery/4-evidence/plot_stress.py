@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 import bilayer
-from bilayer.mechanics.selection import scalar_field
 
 specimen = replace(bilayer.paper_specimen().with_milestones([1.06]), mesh=bilayer.MeshSize(0.005))
 result = bilayer.solve(specimen, "dshell")
@@ -26,6 +25,6 @@ assert np.isclose(float(energy.sum()), float(result["energy"].sum()), rtol=1e-6)
 
 # %%
 figure = bilayer.draw_shapes(
-    result, field=scalar_field(fields, "principal_stress.kirigami.top.first")
+    result, field=bilayer.scalar_field(fields, "principal_stress.kirigami.top.first")
 )
 bilayer.save_figure(figure, "stress.png")
