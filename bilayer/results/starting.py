@@ -6,7 +6,7 @@ seconds. A solver that uses them as initial guesses takes few iterations.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -62,13 +62,25 @@ def starting_shape(
 
 
 def with_waypoints(specimen: Specimen) -> Specimen:
-    """Return the specimen with milestones added if two are far apart in prestretch."""
+    """Return the specimen with milestones added if two are far apart in prestretch.
+
+    One with milestones of time is returned as it is at its release.
+    """
+    if specimen.schedule is not None:
+        return _at_release(specimen)
     milestones: list[StretchPair] = []
     for begin, end in _ways(specimen.prestretch.milestones):
         pieces = max(1, math.ceil(way_length(begin, end) / LONGEST_WAY * (1 - 1e-9)))
         milestones += [_between(begin, end, piece / pieces) for piece in range(1, pieces)]
         milestones.append(end)
     return specimen.with_milestones(milestones)
+
+
+def _at_release(specimen: Specimen) -> Specimen:
+    """Return the specimen with time 0 after its release as its only milestone."""
+    assert specimen.schedule is not None
+    schedule = replace(specimen.schedule, milestones=(0.0,))
+    return replace(specimen.with_milestones(specimen.prestretch.milestones[:1]), schedule=schedule)
 
 
 def describe_start(start: xr.Dataset | None) -> str:

@@ -55,6 +55,35 @@ class Schedule:
         """Return the schedule of the first milestones."""
         return Schedule(self.milestones[:count], self.hold, self.steps_per_decade)
 
+    def steps_to(self, number: int, layers: Sequence[PronySeries]) -> list[float]:
+        """Return the ends of the steps from the milestone before to one, s.
+
+        Before the first milestone comes the release at time 0, a step of its own.
+
+        Parameters
+        ----------
+        number : int
+            Of the milestone, from 0 on.
+        layers : sequence of PronySeries
+            Of the layers.
+
+        Examples
+        --------
+        >>> schedule = Schedule((1.0, 100.0), steps_per_decade=1)
+        >>> [round(t, 6) for t in schedule.steps_to(0, [PronySeries([(0.5, 10.0)])])]
+        [0.0, 1.0]
+        >>> [round(t, 6) for t in schedule.steps_to(1, [PronySeries([(0.5, 10.0)])])]
+        [10.0, 100.0]
+        """
+        end = self.milestones[number]
+        if number:
+            return self.steps(self.milestones[number - 1], end, layers)
+        return [0.0, *(self.steps(0.0, end, layers) if end else [])]
+
+    def passed(self, time: float) -> int:
+        """Return the number of milestones up to a time, s."""
+        return sum(milestone <= time for milestone in self.milestones)
+
     def steps(self, start: float, end: float, layers: Sequence[PronySeries]) -> list[float]:
         """Return the ends of the steps from a time to another, s; the last is the end.
 

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.mechanics.memory import Memory
 from bilayer.specimen.relaxation import ELASTIC, PronySeries
-from dshell.energies.memory import Memory, RememberingState
+from dshell.energies.memory import RememberingState
 from dshell.materials.plane_stress import PlaneStressLaw, PlaneStressState
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from dshell.energies.memory import History
+from bilayer.mechanics.memory import History
 from dshell.energies.morley_faces import MorleyFaces
 
 Array = NDArray[np.float64]

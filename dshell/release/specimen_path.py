@@ -222,11 +222,9 @@ class ShellPath:
         memory, schedule = self._shell.memory, self._shell.specimen.schedule
         if memory is None or schedule is None:
             return [0.0]
-        end = schedule.milestones[self._visited]
         self._visited += 1
         series = [layer.relaxation for layer in self._shell.specimen.layers]
-        before = [] if self._visited > 1 else [0.0]
-        return [*before, *([] if before and end == 0 else schedule.steps(memory.time, end, series))]
+        return schedule.steps_to(self._visited - 1, series)
 
     def _in_time(self, target: Milestone, time: float) -> Iterator[ShellState[Milestone]]:
         """Go to a target at the end of a step of time, which is remembered."""
@@ -288,7 +286,7 @@ class ShellPath:
         if memory is not None and schedule is not None:
             blocks: Any = self._shell.model.energies(stretch_of(milestone))
             memory.restore(saved, blocks)
-            self._visited = 1 + int(np.searchsorted(schedule.milestones, memory.time))
+            self._visited = schedule.passed(memory.time)
 
     def restore_neighbour(
         self, saved: Saved, target: Milestone | None = None, change: Array | None = None

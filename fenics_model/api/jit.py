@@ -11,6 +11,7 @@ result would not tell of them. All options are given here, and these take preced
 
 import os
 import tempfile
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -51,9 +52,18 @@ def compiled_form(integral: Any) -> Any:
     MachineError
         A file of options of dolfinx or FFCx cannot be read.
     """
+    return _compile(fem.form, integral)
+
+
+def compiled_expression(expression: Any, points: Any) -> Any:
+    """Return an expression of dolfinx at points of the reference cell; see `compiled_form`."""
+    return _compile(fem.Expression, expression, points)
+
+
+def _compile(compiler: Callable[..., Any], *what: Any) -> Any:
     jit_options = JIT_OPTIONS | {"cache_dir": folder_of_forms()}
     try:
-        return fem.form(integral, form_compiler_options=_form_options(), jit_options=jit_options)
+        return compiler(*what, form_compiler_options=_form_options(), jit_options=jit_options)
     except ValueError as error:
         if type(error).__name__ not in ("JSONDecodeError", "UnicodeDecodeError"):
             raise

@@ -138,7 +138,7 @@ class CondensedEnergy:
         integrals = 0
         for layer, body in enumerate(solid.layers):
             p = ufl.variable(solid.pressures[layer])
-            curvature = ufl.diff(ufl.diff(body.energy.density(C, J, body.natural, p), p), p)
+            curvature = ufl.diff(ufl.diff(body.density(C, J, p), p), p)
             product = solid.pressure_scale**2 * trials[layer] * tests[layer]
             integrals += curvature * product * solid.dx(layer)
         return compiled_form(integrals)

@@ -149,6 +149,10 @@ class Continuation:
                 yield replace(point, effort=self._take_effort(load_steps=1))
                 self._newton.stopwatch.restart()
 
+    def begin_anew(self) -> None:
+        """Expect nothing of the equilibria before the last one: another kind of load follows."""
+        self._change_branch(self.parameter, self.predictor.last)
+
     def stopped(self) -> LoadPoint:
         """Return the last equilibrium, with the work done in vain since then."""
         self._load(self.parameter)

@@ -40,6 +40,8 @@ class LoadPlace:
         1 if a displacement is held, or for any other load; 0 if it is free.
     forces : tuple of float
         The share of the force that held a displacement before, while it is let go.
+    time : float
+        s after the release.
     """
 
     stretch: StretchPair
@@ -48,6 +50,7 @@ class LoadPlace:
     values: tuple[float, ...] = ()
     grips: tuple[float, ...] = ()
     forces: tuple[float, ...] = ()
+    time: float = 0.0
 
     @property
     def milestone(self) -> Milestone:
@@ -70,6 +73,8 @@ class LoadSchedule:
         Largest value of each load.
     weight_way : float
         Length of the way over which the weight comes on, before the prestretch; 0 without weight.
+    time_way : float
+        Least length of a step of time.
     """
 
     def __init__(
@@ -78,16 +83,21 @@ class LoadSchedule:
         *,
         scales: Sequence[float] = (),
         weight_way: float = 0.0,
+        time_way: float = 0.0,
     ) -> None:
         self._stretches = np.array([(1.0, 1.0), (1.0, 1.0)])
         self._scales: Array = np.array(scales, dtype=float)
         self._values: Array = np.zeros((2, len(scales)))
         self._grips: Array = np.ones((2, len(scales)))
         self._ends = np.array([0.0, weight_way])
+        self._times: Array = np.zeros(2)
+        self._time_way = time_way
         for target in targets:
             self.add_target(target)
 
-    def add_target(self, target: Milestone, reached: Sequence[float] = ()) -> float:
+    def add_target(
+        self, target: Milestone, reached: Sequence[float] = (), time: float = 0.0
+    ) -> float:
         """Go on to another target; return its parameter.
 
         Parameters
@@ -97,16 +107,21 @@ class LoadSchedule:
         reached : sequence of float
             The displacements from which the way goes on where they are free now; of other loads it
             is not used.
+        time : float
+            s after the release; it never falls.
         """
         if len(target) != 2 + len(self._scales):
             raise ValueError(f"target of {len(target)} values, expected {2 + len(self._scales)}")
         stretch = np.array(target[:2])
         length = float(np.abs(stretch - self._stretches[-1]).max())
         length = max(length, self._add_loads(np.array(target[2:], dtype=float), reached))
+        if time > self._times[-1]:
+            length = max(length, self._time_way)
         if len(self._ends) == 2:
             length = max(length, SHORTEST_FIRST_STRETCH)  # a way for the imperfection to go
         self._stretches = np.vstack([self._stretches, stretch])
         self._ends = np.append(self._ends, self._ends[-1] + length)
+        self._times = np.append(self._times, time)
         return float(self._ends[-1])
 
     def _add_loads(self, values: Array, reached: Sequence[float]) -> float:
@@ -129,11 +144,13 @@ class LoadSchedule:
         kept[:2] = True  # flat, and where the weight is on
         self._ends, self._stretches = self._ends[kept], self._stretches[kept]
         self._values, self._grips = self._values[kept], self._grips[kept]
+        self._times = self._times[kept]
         if here > self.end:
             self._ends = np.append(self._ends, here)
             self._stretches = np.vstack([self._stretches, place.stretch])
             self._values = np.vstack([self._values, place.values])
             self._grips = np.vstack([self._grips, place.grips])
+            self._times = np.append(self._times, place.time)
 
     @property
     def milestones(self) -> list[float]:
@@ -144,6 +161,11 @@ class LoadSchedule:
     def targets(self) -> list[Milestone]:
         """The prestretch and the values of the loads at each target."""
         return [self.place(end).milestone for end in self.milestones]
+
+    @property
+    def times(self) -> list[float]:
+        """Time at each target, s after the release."""
+        return [float(time) for time in self._times[2:]]
 
     @property
     def end(self) -> float:
@@ -169,11 +191,15 @@ class LoadSchedule:
 
     def place(self, parameter: float) -> LoadPlace:
         """Return the loads at a parameter."""
+        values, grips, forces = self._loads_at(parameter)
         return LoadPlace(
             self.stretch(parameter),
             self.weight_fraction(parameter),
             self.imperfection_fraction(parameter),
-            *self._loads_at(parameter),
+            values,
+            grips,
+            forces,
+            float(np.interp(parameter, self._ends, self._times)),
         )
 
     def _loads_at(self, parameter: float) -> tuple[tuple[float, ...], ...]:

@@ -19,7 +19,7 @@ from fenics_model.api.jit import compiled_form
 from fenics_model.mesh.layered_mesh import EDGES
 from fenics_model.solid.solid import Solid
 from fenics_model.solid.state import State
-from fenics_model.solid.strain_energy import stress
+from fenics_model.solid.strain_energy import natural_determinant
 from fenics_model.solve.newton import Newton, NewtonOutcome
 from fenics_model.solve.stopwatch import Stopwatch
 
@@ -111,10 +111,7 @@ class Extrusion:
         F = solid.gradient
         sums = [0, 0]
         for index, (layer, weight) in enumerate(zip(solid.layers, weights, strict=True)):
-            without, with_one = (
-                ufl.dot(F[:, 2], (F * stress(layer.energy, F, layer.natural, p))[:, 2])
-                for p in (0, 1)
-            )
+            without, with_one = (ufl.dot(F[:, 2], (F * layer.stress(F, p))[:, 2]) for p in (0, 1))
             pressure = -without / (with_one - without) / solid.pressure_scale
             sums[0] += pressure * weight * solid.dx(index)
             sums[1] += weight * solid.dx(index)
@@ -124,16 +121,10 @@ class Extrusion:
 def bonded_heights(solid: Solid) -> NDArray[np.float64]:
     """Return the height of each level of the mesh in the flat bonded state, m, (levels,)."""
     volume = solid.mesh.volume
-    shrinking = np.array([1 / _determinant(layer.natural.value) for layer in solid.layers])
+    shrinking = np.array([1 / natural_determinant(layer.natural.value) for layer in solid.layers])
     steps = np.diff(volume.heights) * shrinking[volume.layer_between]
     heights = np.concatenate([[0.0], np.cumsum(steps)])
     return np.asarray(heights - heights[volume.reference_level])
-
-
-def _determinant(natural: NDArray[np.float64]) -> float:
-    """Return det G of a natural state, see `strain_energy.natural_tensor`."""
-    x, shear, y, thickness = natural
-    return float((x * y - shear * shear) * thickness)
 
 
 class _Fibres:

@@ -27,6 +27,8 @@ class SavedPath:
     ----------
     targets : sequence of milestones
         Those so far.
+    times : sequence of float
+        Of each, s after the release.
     equilibria : sequence of (float, State)
         Parameters and states that the predictor knows, the last one last.
     step, failures : float, int
@@ -44,6 +46,7 @@ class SavedPath:
     """
 
     targets: Sequence[Milestone]
+    times: Sequence[float]
     equilibria: Sequence[tuple[float, State]]
     step: float
     failures: int
@@ -65,6 +68,7 @@ class SavedPath:
         """Return the state of a path."""
         return cls(
             loads.targets,
+            loads.times,
             list(continuation.predictor.known),
             continuation.control.size,
             continuation.control.failures,
@@ -85,6 +89,7 @@ class SavedPath:
         """Return it by name, the same on every rank; what is empty is left out."""
         arrays = {
             "targets": np.array(self.targets),
+            "target_times": np.array(self.times) if any(self.times) else np.array([]),
             "equilibrium_parameter": np.array([t for t, _ in self.equilibria]),
             "equilibrium": _stack([numbering.gather(s.values) for _, s in self.equilibria]),
             "step": np.array([self.step]),
@@ -118,8 +123,10 @@ class SavedPath:
             last = int(saved["shape_last"][0])
             shapes = StartShapes(saved["shape_stretch"], saved["shape_position"], last)
         reasons = zip(saved.get("left_parameter", ()), saved.get("left_reason", ()), strict=True)
+        targets = [tuple(float(value) for value in row) for row in saved.get("targets", ())]
         return cls(
-            [tuple(float(value) for value in row) for row in saved.get("targets", ())],
+            targets,
+            [float(time) for time in saved.get("target_times", np.zeros(len(targets)))],
             [(t, State(values)) for t, values in pairs("equilibrium")],
             float(saved["step"][0]),
             int(saved["failures"][0]),

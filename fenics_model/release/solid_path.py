@@ -16,6 +16,7 @@ from petsc4py import PETSc
 
 from bilayer.contact.package import PACKAGE as CONTACT_PACKAGE
 from bilayer.contact.touching import Touching, measure_touching
+from bilayer.errors import ComputationError
 from bilayer.geometry.alignment import move_onto_held_points
 from bilayer.measures.milestone import Measures, measure
 from bilayer.mechanics.layer_state import LayerState
@@ -231,11 +232,12 @@ class SolidPath:
         self.loads = LoadSchedule(
             scales=[load.scale for load in specimen.loads],
             weight_way=_weight_way(specimen),
+            time_way=settings.first_step,
         )
         self.mesh, self.comm = mesh, comm
         self.contact = make_contact(self.body)
         self._shapes, self._start = shapes, start
-        self._loaded = 0.0
+        self._loaded, self._visited = 0.0, 0
         self._nodes = choose_held_nodes(mesh.points, float(specimen.is_placed), mesh.centroid)
         with ExitStack() as stack:
             self._newton = stack.enter_context(self._make_newton())
@@ -354,19 +356,44 @@ class SolidPath:
 
     def approach(self, target: Milestone) -> Iterator[SolidEquilibrium]:
         """Go to a milestone; see `bilayer.solvers.contract.Path`."""
+        times = self._times_to_go()
+        for number, time in enumerate(times):
+            for point in self._in_time(target, time):
+                share = (number + point.share) / len(times) if len(times) > 1 else point.share
+                yield SolidEquilibrium(self, replace(point, share=share))
+
+    def _times_to_go(self) -> list[float]:
+        """Return the ends of the steps of time to the next target, s; that of the release first."""
+        schedule = self.body.specimen.schedule
+        if schedule is None:
+            return [0.0]
+        self._visited += 1
+        series = [layer.relaxation for layer in self.body.specimen.layers]
+        return schedule.steps_to(self._visited - 1, series)
+
+    def _in_time(self, target: Milestone, time: float) -> Iterator[LoadPoint]:
+        """Go to a target at the end of a step of time, which is remembered."""
+        if time > 0:
+            self._continuation.begin_anew()
+        for point in self._go_on(target, time):
+            if point.share == 1:
+                self.body.remember(self.loads.place(point.parameter), point.state)
+            yield point
+
+    def _go_on(self, target: Milestone, time: float) -> Iterator[LoadPoint]:
+        """Follow the equilibria to a target at a time."""
         here = self._continuation.parameter
         if here < self.loads.end:
             self.loads.leave_at(here)
         state, place = self._continuation.predictor.last, self.loads.place(here)
         reached = self.body.loading.note(state, place)
-        begin, goal = self.loads.last, self.loads.add_target(target, reached)
-        shapes = self._shapes_between(begin, stretch_of(target), goal)
-        if self.loads.turns_back:  # over its own equilibria, which lead better
+        begin, goal = self.loads.last, self.loads.add_target(target, reached, time)
+        shapes = {} if time > 0 else self._shapes_between(begin, stretch_of(target), goal)
+        if self.loads.turns_back and time == 0:  # over its own equilibria, which lead better
             self._continuation.predictor.turn_back()
             shapes = {}
         self._guide.use_shapes(shapes)
-        for point in self._continuation.approach(goal):
-            yield SolidEquilibrium(self, point)
+        yield from self._continuation.approach(goal)
 
     def _shapes_between(
         self, begin: StretchPair, target: StretchPair, goal: float
@@ -392,6 +419,8 @@ class SolidPath:
 
     def linearise(self, point: LoadPoint) -> SolidLinearisation:
         """Return the equations linearised at a point of the path, until it goes on."""
+        if self.body.memory is not None:
+            raise ComputationError("linearised: not of layers that relax, expected no [time]")
         place = self.loads.place(point.parameter)
         return SolidLinearisation(self.body, self._newton, self.numbering, point.state, place)
 
@@ -402,17 +431,19 @@ class SolidPath:
 
     def save(self) -> Saved:
         """Return the state of the path, the same on every rank."""
-        return SavedPath.of(
-            self._continuation, self._guide, self.loads, self._shapes, self._start
-        ).as_arrays(self.numbering)
+        memory = self.body.memory
+        remembered = {} if memory is None else memory.save()
+        path = SavedPath.of(self._continuation, self._guide, self.loads, self._shapes, self._start)
+        return path.as_arrays(self.numbering) | {f"memory.{k}": v for k, v in remembered.items()}
 
     def restore(self, saved: Saved) -> None:
         """Be where the path was saved; it is new."""
         known = SavedPath.from_arrays(saved, self.numbering)
-        for target in known.targets:
-            self.loads.add_target(target)
+        for target, time in zip(known.targets, known.times, strict=True):
+            self.loads.add_target(target, time=time)
         known.restore(self._continuation, self._guide)
         self._shapes, self._start = known.shapes, known.start
+        self._restore_memory(saved)
         self._load(self._continuation.parameter)
 
     def restore_neighbour(
@@ -420,8 +451,8 @@ class SolidPath:
     ) -> None:
         """Be near the state that was saved of a specimen nearby, moved onto the held points."""
         known = SavedPath.from_arrays(saved, self.numbering)
-        for earlier in known.targets:
-            self.loads.add_target(earlier)
+        for earlier, time in zip(known.targets, known.times, strict=True):
+            self.loads.add_target(earlier, time=time)
         parameter, _ = known.equilibria[-1]
         if target is not None:
             parameter = self.loads.add_target(target)
@@ -441,6 +472,15 @@ class SolidPath:
         shape = flat + displacements
         displacements[:] = move_onto_held_points(shape, flat[:, :2], (a, b, c)) - flat
         return moved
+
+    def _restore_memory(self, saved: Saved) -> None:
+        memory, schedule = self.body.memory, self.body.specimen.schedule
+        if schedule is not None:
+            self._visited = schedule.passed(self.loads.times[-1])
+        if memory is not None:
+            prefix = "memory."
+            names = [name for name in saved if name.startswith(prefix)]
+            memory.restore({name.removeprefix(prefix): saved[name] for name in names})
 
     def variables(self, milestones: Sequence[Recorded | None]) -> xr.Dataset:
         """Return the volume mesh, the work and the branches by milestone; on the first rank."""

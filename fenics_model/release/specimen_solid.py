@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,15 +17,28 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.layer import Layer, Tensor
 from bilayer.specimen.load import LOAD_KINDS
 from bilayer.specimen.prestretch import StretchPair
+from bilayer.specimen.relaxation import PronySeries
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.support import HeldNodes
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.mesh.volume_mesh import Slab, VolumeMesh, extrude
 from fenics_model.path.load_schedule import LoadPlace
+from fenics_model.release.bonded_state import bonded_volume_and_pressure
 from fenics_model.release.loading import SolidLoading, body_load, skin_pressure
 from fenics_model.settings import SolidSettings, elements_through
+from fenics_model.solid.memory import PRESSURE, DeadStresses, SolidMemory
 from fenics_model.solid.solid import Solid, SolidLayer
-from fenics_model.solid.strain_energy import StrainEnergy, energy_constants, natural_tensor
+from fenics_model.solid.state import State
+from fenics_model.solid.strain_energy import (
+    NOTHING,
+    Remembered,
+    StrainEnergy,
+    energy_constants,
+    natural_determinant,
+    natural_tensor,
+)
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +63,8 @@ class SpecimenSolid:
         The accelerations that act now.
     loading : SolidLoading
         Supports and loads.
+    memory : SolidMemory or None
+        What layers remember; None: the specimen has no milestones of time.
     """
 
     solid: Solid
@@ -60,6 +76,7 @@ class SpecimenSolid:
     weight: fem.Constant
     saddle: fem.Constant
     loading: SolidLoading
+    memory: SolidMemory | None = None
 
     def load(self, place: LoadPlace) -> None:
         """Set natural states and loads for a place on the load path."""
@@ -67,6 +84,28 @@ class SpecimenSolid:
         self.weight.value = self.specimen.gravity * place.weight
         self.saddle.value = self.settings.imperfection * place.imperfection
         self.loading.act(place)
+        if self.memory is not None:
+            self.memory.aim_at(place.time, partial(self._held_stress, stretch=place.stretch))
+
+    def remember(self, place: LoadPlace, state: State) -> None:
+        """Keep what the layers remember in the equilibrium at a place, the end of a step."""
+        if self.memory is not None:
+            self.load(place)
+            self.memory.arrive(state, partial(self._held_stress, stretch=place.stretch))
+
+    def _held_stress(self, number: int, stretch: StretchPair) -> Array:
+        """Return the instantaneous stresses of a layer that is held stretched; see `Held`."""
+        assert self.memory is not None
+        name = self.layer_names[number]
+        bonded = self.specimen.bonded_layer(name, stretch)
+        volume, pressure = bonded_volume_and_pressure(self.specimen.layer(name), bonded.stretch)
+        thinning = volume / natural_determinant(self.solid.layers[number].natural.value)
+        flat = self.solid.interpolate(
+            lambda x: np.stack([0 * x[0], 0 * x[0], (thinning - 1) * x[2]])
+        )
+        found = self.memory.uniform_stress(number, flat)
+        found[PRESSURE] = pressure
+        return found
 
     def prestretch(self, specimen: Specimen, stretch: StretchPair) -> None:
         """Set the natural states alone, those of a specimen."""
@@ -155,16 +194,19 @@ def make_solid(
     """
     layers = layers_on(specimen, mesh)
     layered = LayeredMesh(extrude_layers(specimen, mesh, settings), comm)
+    relaxing = relaxing_layers(specimen, layers)
+    dead = DeadStresses(layered, settings.quadrature_degree) if relaxing else None
     weight, saddle = _constant(layered, 0.0), _constant(layered, 0.0)
     densities = tuple(_constant(layered, layer.density) for layer in layers)
     of_kind = {kind: [ld for ld in specimen.loads if ld.kind == kind] for kind in LOAD_KINDS}
     bodies = [body_load(load, layered, mesh) for load in of_kind["body_force"]]
     pressures = [skin_pressure(load, layered, mesh) for load in of_kind["pressure"]]
     parts = []
-    for layer, density in zip(layers, densities, strict=True):
+    for number, (layer, density) in enumerate(zip(layers, densities, strict=True)):
         acceleration = -weight + saddle * _saddle_shape(layered, saddle_on(layer, specimen, mesh))
         forces = [body.vector for body in bodies]
-        parts.append(_solid_layer(layered, layer, density * acceleration, forces))
+        remembered = dead.of_layer() if dead is not None and number in relaxing else NOTHING
+        parts.append(_solid_layer(layered, layer, density * acceleration, forces, remembered))
     solid = Solid(
         layered,
         parts,
@@ -174,7 +216,18 @@ def make_solid(
     )
     names = tuple(layer.name for layer in layers)
     loading = SolidLoading(solid, specimen, mesh, bodies, pressures)
-    return SpecimenSolid(solid, specimen, mesh, settings, names, densities, weight, saddle, loading)
+    hold = 0.0 if specimen.schedule is None else specimen.schedule.hold
+    memory = None if dead is None else SolidMemory(solid, dead, relaxing, hold)
+    return SpecimenSolid(
+        solid, specimen, mesh, settings, names, densities, weight, saddle, loading, memory
+    )
+
+
+def relaxing_layers(specimen: Specimen, layers: Sequence[Layer]) -> dict[int, PronySeries]:
+    """Return the series of the layers that relax on the path, by their numbers."""
+    series = {number: layer.relaxation for number, layer in enumerate(layers)}
+    is_timed = specimen.schedule is not None
+    return {number: given for number, given in series.items() if is_timed and given.terms}
 
 
 def layers_on(specimen: Specimen, mesh: PlanarMesh) -> list[Layer]:
@@ -218,7 +271,11 @@ def held_points(nodes: HeldNodes, volume: VolumeMesh) -> list[tuple[int, int]]:
 
 
 def _solid_layer(
-    mesh: LayeredMesh, layer: Layer, weight_density: Any, forces: Sequence[Any]
+    mesh: LayeredMesh,
+    layer: Layer,
+    weight_density: Any,
+    forces: Sequence[Any],
+    memory: Remembered,
 ) -> SolidLayer:
     """Return a layer under dead forces per natural volume, N/m3: one along z, and vectors."""
     natural = _constant(mesh, (1.0, 0.0, 1.0, 1.0))
@@ -227,7 +284,7 @@ def _solid_layer(
     total = ufl.as_vector((0, 0, weight_density / per_volume))
     for force in forces:
         total += force / per_volume
-    return SolidLayer(strain_energy(mesh, layer), natural, total)
+    return SolidLayer(strain_energy(mesh, layer), natural, total, memory)
 
 
 def strain_energy(mesh: LayeredMesh, layer: Layer) -> StrainEnergy:

@@ -23,7 +23,13 @@ from fenics_model.mesh.layered_mesh import EDGES, LayeredMesh
 from fenics_model.solid.nodal_terms import NodalTerms
 from fenics_model.solid.skin_pressure import SkinPressure
 from fenics_model.solid.state import State
-from fenics_model.solid.strain_energy import StrainEnergy, natural_tensor, stress
+from fenics_model.solid.strain_energy import (
+    NOTHING,
+    Remembered,
+    StrainEnergy,
+    natural_tensor,
+    stress,
+)
 from fenics_model.solid.tangent import ExtrapolatedTangent
 from fenics_model.solid.unknown import Unknown
 
@@ -40,11 +46,27 @@ class SolidLayer:
         See `strain_energy.natural_tensor`; its value may change along a load path.
     body_force : UFL vector
         Dead force per volume of the mesh, N/m3.
+    memory : Remembered
+        What it remembers in the present step of time.
     """
 
     energy: StrainEnergy
     natural: fem.Constant
     body_force: Any
+    memory: Remembered = NOTHING
+
+    def density(self, C: Any, J: Any, pressure: Any) -> Any:
+        """Return the energy per volume of the mesh, J/m3, as a UFL expression."""
+        return self.energy.density(C, J, self.natural, pressure, self.memory)
+
+    def stored_density(self, C: Any, J: Any, pressure: Any) -> Any:
+        """Return that of the instantaneous law alone."""
+        own = self.memory.instantaneous_pressure(pressure)
+        return self.energy.density(C, J, self.natural, own)
+
+    def stress(self, gradient: Any, pressure: Any) -> Any:
+        """Return the second Piola-Kirchhoff stress, Pa, as a UFL tensor."""
+        return stress(self.energy, gradient, self.natural, pressure, self.memory)
 
 
 class Solid:
@@ -126,7 +148,7 @@ class Solid:
             self.unknown,
             exact,
             [
-                (stress(layer.energy, self.gradient, layer.natural, pressure), self.dx(i))
+                (layer.stress(self.gradient, pressure), self.dx(i))
                 for i, (layer, pressure) in self._layers_with_pressure()
             ],
         )
@@ -135,19 +157,24 @@ class Solid:
         return list(enumerate(zip(self.layers, self.pressures, strict=True)))
 
     def _stored(self, weight: Any = 1) -> list[Any]:
-        """Return the integral of each layer's energy, times a weight."""
+        """Return the integral of the energy that each layer has by its law, times a weight."""
         C, J = self.gradient.T * self.gradient, ufl.det(self.gradient)
         return [
-            layer.energy.density(C, J, layer.natural, pressure) * weight * self.dx(i)
+            layer.stored_density(C, J, pressure) * weight * self.dx(i)
             for i, (layer, pressure) in self._layers_with_pressure()
         ]
 
     def _potential(self) -> Any:
+        C, J = self.gradient.T * self.gradient, ufl.det(self.gradient)
+        stored = [
+            layer.density(C, J, pressure) * self.dx(i)
+            for i, (layer, pressure) in self._layers_with_pressure()
+        ]
         loads = [
             ufl.dot(layer.body_force, self.displacement) * self.dx(i)
             for i, layer in enumerate(self.layers)
         ]
-        return sum(self._stored()) - sum(loads)
+        return sum(stored) - sum(loads)
 
     @cached_property
     def coupling(self) -> fem.Form:

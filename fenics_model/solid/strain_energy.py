@@ -7,6 +7,9 @@ volume. The bonded flat state is grad(x) = diag(1, 1, 1 / det G).
 
 The energies are mixed: p is an unknown of its own, whose stationarity gives p = U'(J) (or
 p = K tr e), so a law with D1 = 0 (or nu = 1/2) is as good as any other.
+
+A layer that relaxes has, in a step of time, the energy of its law times a factor, and dead stresses
+beside it; see `Remembered`.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,10 +23,47 @@ from bilayer.specimen.materials import Hyperelastic, Law, LinearElastic
 from fenics_model.solid.unknown import freeze
 
 
+@dataclass(frozen=True)
+class Remembered:
+    """What a layer remembers in a step of time; by default nothing, as an elastic one.
+
+    See `bilayer.mechanics.memory`. The strain is split into a change of shape, E = s C / 2 with
+    `StrainEnergy.scale` s, and that of volume. Each has its instantaneous stress: that of the
+    change of shape, S0 = (2 / s) dW/dC (the deviator DEV of Simo and Hughes), and p0 = U'(J). At
+    the end of a step they are factor S0 + pull and p = factor p0 + pressure.
+
+    Parameters
+    ----------
+    factor : float or UFL constant
+        c.
+    pull : UFL tensor (3, 3) or None
+        P of the change of shape, with the mesh as reference, Pa; None: zero.
+    pressure : float or UFL expression
+        P of the pressure, Pa.
+    """
+
+    factor: Any = 1
+    pull: Any = None
+    pressure: Any = 0
+
+    def work(self, C: Any, scale: Any) -> Any:
+        """Return P : E."""
+        return 0 if self.pull is None else scale * ufl.inner(self.pull, C) / 2
+
+    def instantaneous_pressure(self, pressure: Any) -> Any:
+        """Return p0, Pa."""
+        return (pressure - self.pressure) / self.factor
+
+
+NOTHING = Remembered()
+
+
 class StrainEnergy(Protocol):
     """The strain energy of a material, as the solid uses it."""
 
-    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
+    def density(
+        self, C: Any, J: Any, natural: Any, pressure: Any, memory: Remembered = NOTHING
+    ) -> Any:
         """Energy per volume of the mesh, J/m3, as a UFL expression.
 
         Parameters
@@ -36,7 +76,17 @@ class StrainEnergy(Protocol):
             See `natural_tensor`.
         pressure : UFL scalar
             The independent pressure (positive in tension), Pa.
+        memory : Remembered
+            Of the layer.
         """
+        ...
+
+    def change_of_shape(self, C: Any, J: Any, natural: Any) -> Any:
+        """Return the part of the energy that no pressure is needed for, J/m3."""
+        ...
+
+    def scale(self, J: Any, natural: Any) -> Any:
+        """Return s of `Remembered`, with which C tells the change of shape alone."""
         ...
 
     @property
@@ -87,15 +137,30 @@ class HyperelasticEnergy:
 
     law: Hyperelastic
 
-    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
+    def density(
+        self, C: Any, J: Any, natural: Any, pressure: Any, memory: Remembered = NOTHING
+    ) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
         G = natural_tensor(natural)
-        B, Je = G * G, J * ufl.det(G)
+        Je, own = J * ufl.det(G), pressure - memory.pressure
+        isochoric = memory.factor * self._of_invariants(C, J, G)
+        volumetric = pressure * (Je - 1) - own**2 * (self.law.d1 / memory.factor) / 4
+        return (isochoric + volumetric) / ufl.det(G) + memory.work(C, self.scale(J, natural))
+
+    def change_of_shape(self, C: Any, J: Any, natural: Any) -> Any:
+        """Return w per volume of the mesh; see `StrainEnergy`."""
+        G = natural_tensor(natural)
+        return self._of_invariants(C, J, G) / ufl.det(G)
+
+    def scale(self, J: Any, natural: Any) -> Any:
+        """Return J^(-2/3); see `StrainEnergy`."""
+        return ufl.exp(-2 / 3 * ufl.ln(J * ufl.det(natural_tensor(natural))))
+
+    def _of_invariants(self, C: Any, J: Any, G: Any) -> Any:
+        B = G * G
         I1, I2 = ufl.inner(C, B), ufl.inner(ufl.cofac(C), ufl.cofac(B))  # of Ce = G C G
-        k = ufl.exp(-2 / 3 * ufl.ln(Je))
-        isochoric = self._isochoric(k * I1, k * k * I2)
-        volumetric = pressure * (Je - 1) - pressure**2 * self.law.d1 / 4
-        return (isochoric + volumetric) / ufl.det(G)
+        k = ufl.exp(-2 / 3 * ufl.ln(J * ufl.det(G)))
+        return self._isochoric(k * I1, k * k * I2)
 
     def _isochoric(self, I1: Any, I2: Any) -> Any:
         present = freeze(I1), freeze(I2)
@@ -130,15 +195,35 @@ class LinearEnergy:
     shear_modulus: Any
     compliance: Any
 
-    def density(self, C: Any, J: Any, natural: Any, pressure: Any) -> Any:
+    def density(
+        self, C: Any, J: Any, natural: Any, pressure: Any, memory: Remembered = NOTHING
+    ) -> Any:
         """Energy per volume of the mesh; see `StrainEnergy`."""
+        thinning, strain = self._thinning_and_strain(C, natural)
+        own = pressure - memory.pressure
+        shear = memory.factor * self._shear(strain)
+        bulk = pressure * ufl.tr(strain) - own**2 * (self.compliance / memory.factor) / 2
+        return (shear + bulk) * thinning + memory.work(C, self.scale(J, natural))
+
+    def change_of_shape(self, C: Any, J: Any, natural: Any) -> Any:
+        """Return mu dev(e):dev(e) per volume of the mesh; see `StrainEnergy`."""
+        thinning, strain = self._thinning_and_strain(C, natural)
+        return self._shear(strain) * thinning
+
+    def scale(self, J: Any, natural: Any) -> Any:
+        """Return 1; see `StrainEnergy`."""
+        return 1
+
+    def _shear(self, strain: Any) -> Any:
+        deviator = ufl.dev(strain)
+        return self.shear_modulus * ufl.inner(deviator, deviator)
+
+    def _thinning_and_strain(self, C: Any, natural: Any) -> tuple[Any, Any]:
+        """Return the thickness of the bonded state over that in the mesh, and e."""
         thinning = 1 / ufl.det(natural_tensor(natural))
         thinned = ufl.diag(ufl.as_vector((1, 1, 1 / thinning)))
         strain = (thinned * C * thinned - ufl.Identity(3)) / 2 + self._initial_strain(natural)
-        deviator = ufl.dev(strain)
-        shear = self.shear_modulus * ufl.inner(deviator, deviator)
-        bulk = pressure * ufl.tr(strain) - pressure**2 * self.compliance / 2
-        return (shear + bulk) * thinning
+        return thinning, strain
 
     @property
     def symbols(self) -> Mapping[str, Any]:
@@ -163,13 +248,28 @@ def natural_tensor(natural: Any) -> Any:
     return ufl.as_matrix([[x, shear, 0], [shear, y, 0], [0, 0, thickness]])
 
 
-def stress(energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any) -> Any:
+def natural_determinant(natural: Any) -> float:
+    """Return det G of a natural state in numbers, see `natural_tensor`."""
+    x, shear, y, thickness = natural
+    return float((x * y - shear * shear) * thickness)
+
+
+def stress(
+    energy: StrainEnergy, gradient: Any, natural: Any, pressure: Any, memory: Remembered = NOTHING
+) -> Any:
     """Second Piola-Kirchhoff stress of a law, with the mesh as reference, Pa, as a UFL tensor.
 
     S = 2 dW/dC; its rows and columns are along the mesh's axes whatever the rotation.
     """
     C = ufl.variable(gradient.T * gradient)
-    return 2 * ufl.diff(energy.density(C, ufl.sqrt(ufl.det(C)), natural, pressure), C)
+    return 2 * ufl.diff(energy.density(C, ufl.sqrt(ufl.det(C)), natural, pressure, memory), C)
+
+
+def stress_of_shape(energy: StrainEnergy, gradient: Any, natural: Any) -> Any:
+    """Return S0 of `Remembered`, Pa, as a UFL tensor."""
+    C = ufl.variable(gradient.T * gradient)
+    J = ufl.sqrt(ufl.det(C))
+    return 2 / energy.scale(J, natural) * ufl.diff(energy.change_of_shape(C, J, natural), C)
 
 
 @singledispatch

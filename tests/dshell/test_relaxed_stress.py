@@ -7,8 +7,8 @@ import pytest
 from verification.laws import LAW_CASES
 
 from bilayer import LinearElastic
+from bilayer.mechanics.memory import History
 from bilayer.specimen.relaxation import PronySeries
-from dshell.energies.memory import History
 from dshell.energies.through_thickness import Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
 
