@@ -232,7 +232,7 @@ def _of_layer(layer: BondedLayer, state: LayerState) -> dict[str, Array]:
     """Return the fields of a layer on its own faces."""
     law, prestretch = layer.layer.material, isochoric(layer)
     strain = green_strain(law, state.stretch, prestretch)
-    stress = cauchy_stress(law, state.stretch, prestretch, state.pressure)
+    stress = cauchy_stress(law, state.stretch, prestretch, state.pressure, state.memory)
     strains, strain_axes = _principal(strain, state.rotation)
     stresses, stress_axes = _principal(stress, state.rotation)
     across = np.sqrt(np.linalg.inv(state.stretch)[..., 2, 2])

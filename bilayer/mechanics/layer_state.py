@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.mechanics.memory import ELASTIC, Memory
+
 Array = NDArray[np.float64]
 
 LEVELS = ("bottom", "middle", "top")
@@ -34,6 +36,10 @@ class LayerState:
         Of all that lies over each triangle, J.
     volume : (k,) array of float
         Natural volume of that, m3.
+    memory : Memory
+        Of a layer that relaxes: its pull, (3, k, 3, 3), is the dead stress of the change of shape,
+        second Piola-Kirchhoff with the flat bonded state as reference, per natural volume; see
+        `bilayer.mechanics.stress.cauchy_stress`.
     """
 
     name: str
@@ -43,6 +49,7 @@ class LayerState:
     pressure: Array | None
     energy: Array
     volume: Array
+    memory: Memory = ELASTIC
 
 
 def polar_rotation(gradient: Array) -> Array:

@@ -49,6 +49,10 @@ class Memory:
         return replace(self, pull=self.pull[..., faces])
 
 
+ELASTIC = Memory(1.0, np.zeros((3, 3)))
+"""That of a layer which remembers nothing, as a tensor."""
+
+
 @dataclass(frozen=True, eq=False)
 class History:
     """The state of a layer that relaxes at some time.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.mechanics.memory import ELASTIC, Memory
 from bilayer.specimen.materials import Hyperelastic, Law, LinearElastic
 
 Array = NDArray[np.float64]
@@ -44,7 +45,13 @@ def _(law: LinearElastic, stretch: Array, prestretch: Array) -> Array:
 
 
 @singledispatch
-def cauchy_stress(law: Law, stretch: Array, prestretch: Array, pressure: Array | None) -> Array:
+def cauchy_stress(
+    law: Law,
+    stretch: Array,
+    prestretch: Array,
+    pressure: Array | None,
+    memory: Memory = ELASTIC,
+) -> Array:
     """Return the Cauchy stress R^T sigma R, Pa, (..., 3, 3).
 
     Parameters
@@ -55,6 +62,8 @@ def cauchy_stress(law: Law, stretch: Array, prestretch: Array, pressure: Array |
         Mean of the principal stresses of a hyperelastic law, Pa (of a linear one: of those of its
         own stress, with the flat bonded state as reference); None: plane stress, so that the
         stress across the layer is 0.
+    memory : Memory
+        Of a layer that relaxes; its pull, (..., 3, 3), has the flat bonded state as reference.
 
     Raises
     ------
@@ -77,8 +86,17 @@ def cauchy_stress(law: Law, stretch: Array, prestretch: Array, pressure: Array |
 
 
 @cauchy_stress.register
-def _(law: Hyperelastic, stretch: Array, prestretch: Array, pressure: Array | None) -> Array:
-    """Return 2/J dev((w_1 + I1 w_2) C - w_2 C^2) of the isochoric C, and the pressure."""
+def _(
+    law: Hyperelastic,
+    stretch: Array,
+    prestretch: Array,
+    pressure: Array | None,
+    memory: Memory = ELASTIC,
+) -> Array:
+    """Return 2/J dev((w_1 + I1 w_2) C - w_2 C^2) of the isochoric C, and the pressure.
+
+    A dead stress P adds 1/J dev(U P U), U that of the isochoric C.
+    """
     jacobian = np.sqrt(np.linalg.det(stretch))
     isochoric = stretch / np.cbrt(jacobian**2)[..., None, None]
     squared = isochoric @ isochoric
@@ -86,21 +104,29 @@ def _(law: Hyperelastic, stretch: Array, prestretch: Array, pressure: Array | No
     I2 = (I1**2 - _trace(squared)) / 2
     by_I1, by_I2 = (np.asarray(slope) + np.zeros_like(I1) for slope in law.slopes(I1, I2).first)
     change = (by_I1 + I1 * by_I2)[..., None, None] * isochoric - by_I2[..., None, None] * squared
-    deviator = 2 / jacobian[..., None, None] * _deviator(change)
+    inverse = np.linalg.inv(prestretch)
+    root = _root(isochoric)
+    dead = root @ inverse @ memory.pull @ inverse @ root
+    deviator = _deviator(2 * memory.factor * change + dead) / jacobian[..., None, None]
     mean = -deviator[..., 2, 2] if pressure is None else pressure
     return np.asarray(deviator + mean[..., None, None] * _IDENTITY)
 
 
 @cauchy_stress.register
-def _(law: LinearElastic, stretch: Array, prestretch: Array, pressure: Array | None) -> Array:
+def _(
+    law: LinearElastic,
+    stretch: Array,
+    prestretch: Array,
+    pressure: Array | None,
+    memory: Memory = ELASTIC,
+) -> Array:
     """Push the linear stress forward from the flat bonded state: U S U / J with F = R U."""
     bonded = _from_bonded(stretch, prestretch)
     strain = green_strain(law, stretch, prestretch)
-    own = 2 * law.shear_modulus * _deviator(strain)
+    own = _deviator(2 * memory.factor * law.shear_modulus * strain + memory.pull)
     mean = -own[..., 2, 2] if pressure is None else pressure
     own = own + mean[..., None, None] * _IDENTITY
-    values, axes = np.linalg.eigh(bonded)
-    root = (axes * np.sqrt(values)[..., None, :]) @ np.swapaxes(axes, -1, -2)
+    root = _root(bonded)
     jacobian = np.sqrt(np.linalg.det(bonded))[..., None, None]
     return np.asarray(root @ own @ root / jacobian)
 
@@ -109,6 +135,12 @@ def _from_bonded(stretch: Array, prestretch: Array) -> Array:
     """Return C from the flat bonded state, given C from the natural one."""
     inverse = np.linalg.inv(prestretch)
     return np.asarray(inverse @ stretch @ inverse)
+
+
+def _root(tensors: Array) -> Array:
+    """Return the square root of symmetric tensors."""
+    values, axes = np.linalg.eigh(tensors)
+    return np.asarray((axes * np.sqrt(values)[..., None, :]) @ np.swapaxes(axes, -1, -2))
 
 
 def _trace(tensors: Array) -> Array:

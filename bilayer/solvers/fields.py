@@ -92,7 +92,7 @@ def has_layer_fields(result: xr.Dataset) -> bool:
         solver, settings = solver_named(result.attrs["solver"]), result_settings(result)
     except InputError:
         return False
-    return solver.has_layers(settings) and result_specimen(result).schedule is None
+    return solver.has_layers(settings)
 
 
 def _layer_states(

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mechanics.memory import Memory
 from bilayer.specimen.relaxation import ELASTIC, PronySeries
-from dshell.energies.memory import RememberingState
 from dshell.materials.plane_stress import PlaneStressLaw, PlaneStressState
+from dshell.materials.remembering import remember
 
 Array = NDArray[np.float64]
 
@@ -187,10 +187,7 @@ class BentLayer:
         self._det_slope = np.stack([y, x, -0.5 * twist])
         self._det = x * y - 0.25 * twist * twist
         self._strains = s
-        self._material = self.at_heights(layer.heights)
-        if layer.memory is not None:
-            strain = self.strain(layer.heights)
-            self._material = RememberingState(self._material, strain, layer.memory)
+        self._material = self.at_heights(layer.heights, layer.memory)
 
     def strain(self, heights: Array) -> Array:
         """Return the strain from the flat bonded state at heights (q,), shape (3, q, k)."""
@@ -199,9 +196,26 @@ class BentLayer:
         strain[:2] -= self._half * z**2 * self._det
         return strain
 
-    def at_heights(self, heights: Array) -> PlaneStressState:
-        """Return the material at heights (q,), m, as it answers at once."""
-        return self.layer.law.at(self.strain(heights), self.layer.prestretch)
+    def instantaneous(self, memory: Memory) -> Array:
+        """Return the stresses to remember at the Gauss points, Pa, (parts, q, k).
+
+        They are those that the law has at once, in the stretch of the thickness that it has with
+        the memory of the step.
+        """
+        layer = self.layer
+        strain = self.strain(layer.heights)
+        return remember(layer.law, strain, layer.prestretch, memory).instantaneous()
+
+    def at_heights(self, heights: Array, memory: Memory | None = None) -> PlaneStressState:
+        """Return the material at heights (q,), m; without a memory, as it answers at once."""
+        strain, prestretch = self.strain(heights), self.layer.prestretch
+        if memory is None:
+            return self.layer.law.at(strain, prestretch)
+        return remember(self.layer.law, strain, prestretch, memory)
+
+    def law_energy(self) -> Array:
+        """Return the energy per area that the law has at once in the strains, J/m2, (k,)."""
+        return self.layer.weights @ self.at_heights(self.layer.heights).energy()
 
     def energy(self) -> Array:
         """Return the energy per area, J/m2, shape (k,)."""

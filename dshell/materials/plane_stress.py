@@ -10,9 +10,10 @@ more of S than S S (the inverse of the natural metric):
 The stretch of the thickness, sqrt(C33), is eliminated: the energy is least in it (plane stress).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, singledispatch
-from typing import Any, Protocol
+from functools import cached_property, partial, singledispatch
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,9 +77,9 @@ class PlaneHyperelastic:
 
     law: Hyperelastic
 
-    def at(self, strain: Array, prestretch: Array) -> "_HyperelasticState":
+    def at(self, strain: Array, prestretch: Array) -> "HyperelasticState":
         """See `PlaneStressLaw`."""
-        return _HyperelasticState(self, strain, prestretch)
+        return HyperelasticState(self, strain, prestretch)
 
     @cached_property
     def constant_slopes(self) -> Jet | None:
@@ -87,7 +88,9 @@ class PlaneHyperelastic:
         return somewhere if somewhere.is_linear else None
 
 
-class _HyperelasticState:
+class HyperelasticState:
+    """A hyperelastic material in plane stress; see `PlaneStressState`."""
+
     def __init__(self, plane: PlaneHyperelastic, strain: Array, prestretch: Array) -> None:
         self._doubled = 1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]
         self._squared = _squared(prestretch)
@@ -95,7 +98,11 @@ class _HyperelasticState:
         a, b, g = self._doubled
         T = xx * a + yy * b + 2 * xy * g
         self._D = area2 * (a * b - g * g)
-        self._expanded = _Expansion.of_least_energy(plane, T, self._D)
+        self._expanded = self._expand(plane, T)
+
+    def _expand(self, plane: PlaneHyperelastic, T: Array) -> "Expansion":
+        per_D = 1 / self._D
+        return of_least_energy(partial(Expansion, plane, T, self._D, per_D), plane, T, self._D)
 
     def energy(self) -> Array:
         """See `PlaneStressState`."""
@@ -139,7 +146,7 @@ class _HyperelasticState:
         return self._expanded.first()
 
 
-class _Expansion:
+class Expansion:
     """The energy as a function of T, D and r, with its derivatives.
 
     The invariants are sums of four monomials, I1 = p + q and I2 = s + t, whose derivatives are
@@ -154,13 +161,6 @@ class _Expansion:
         self._x, self._y = 1 / r2, r2 * per_D
         self._p, self._q = T * self._x, r2 * self._y
         self._s, self._t = D * (self._x * self._x), T * self._y
-
-    @classmethod
-    def of_least_energy(cls, plane: PlaneHyperelastic, T: Array, D: Array) -> "_Expansion":
-        """Return the expansion at the r of least energy, the cube root of the volume ratio."""
-        per_D = 1 / D
-        r = 1.0 if plane.law.d1 == 0 else _volume_of_least_energy(plane, T, D, per_D)
-        return cls(plane, T, D, per_D, r)
 
     def energy(self) -> Array:
         """Return the energy."""
@@ -178,29 +178,39 @@ class _Expansion:
 
     def first(self) -> tuple[Array, Array]:
         """Return the derivatives by T and D; r counts as fixed, because W_r = 0."""
-        by_I1, by_I2 = self._slopes.first
+        by_I1, by_I2 = self.slopes.first
         W_T = by_I1 * self._x + by_I2 * self._y
         return W_T, (by_I2 * (self._s - self._t) - by_I1 * self._q) * self._per_D
 
     def second(self) -> tuple[Array, Array, Array]:
         """Return the second derivatives by T and D, r following: W_XY - W_Xr W_Yr / W_rr."""
-        by_I1, by_I2 = self._slopes.first
-        per_D, bend = self._per_D, self._bend
-        W_TT = bend("T", "T")
-        W_TD = bend("T", "D") - by_I2 * self._y * per_D
-        W_DD = bend("D", "D") + 2 * (by_I1 * self._q + by_I2 * self._t) * per_D * per_D
-        if self._plane.law.d1 > 0:  # r W_Xr and r^2 W_rr
+        W_TT, W_TD, W_DD = self._second_at_volume()
+        if self._plane.law.d1 > 0:
             per_bend = 1 / self.volume_derivatives()[1]
-            W_Tr = bend("T", "r") + 2 * (by_I2 * self._y - by_I1 * self._x)
-            W_Dr = by_I1 * (4 * self._q) + by_I2 * (4 * self._s + 2 * self._t)
-            W_Dr = bend("D", "r") - W_Dr * per_D
+            W_Tr, W_Dr = self._along_volume()
             W_TT, W_TD = W_TT - W_Tr * W_Tr * per_bend, W_TD - W_Tr * W_Dr * per_bend
             W_DD = W_DD - W_Dr * W_Dr * per_bend
         return W_TT, W_TD, W_DD
 
+    def _second_at_volume(self) -> tuple[Array, Array, Array]:
+        """Return the second derivatives by T and D at a fixed r."""
+        by_I1, by_I2 = self.slopes.first
+        per_D, bend = self._per_D, self._bend
+        W_TT = bend("T", "T")
+        W_TD = bend("T", "D") - by_I2 * self._y * per_D
+        W_DD = bend("D", "D") + 2 * (by_I1 * self._q + by_I2 * self._t) * per_D * per_D
+        return W_TT, W_TD, W_DD
+
+    def _along_volume(self) -> tuple[Array, Array]:
+        """Return r W_Tr and r W_Dr."""
+        by_I1, by_I2 = self.slopes.first
+        W_Tr = self._bend("T", "r") + 2 * (by_I2 * self._y - by_I1 * self._x)
+        W_Dr = by_I1 * (4 * self._q) + by_I2 * (4 * self._s + 2 * self._t)
+        return W_Tr, self._bend("D", "r") - W_Dr * self._per_D
+
     def volume_derivatives(self) -> tuple[Array, Array]:
         """Return r W_r and r^2 W_rr."""
-        by_I1, by_I2 = self._slopes.first
+        by_I1, by_I2 = self.slopes.first
         r3 = self._r2 * self._r
         kr3 = 6 / self._plane.law.d1 * r3
         P, Q, S, T = by_I1 * self._p, by_I1 * self._q, by_I2 * self._s, by_I2 * self._t
@@ -209,8 +219,8 @@ class _Expansion:
         return slope, bend + self._bend("r", "r")
 
     @cached_property
-    def _slopes(self) -> Jet:
-        """Return w with its derivatives by I1 and I2; the value is void if they are constant."""
+    def slopes(self) -> Jet:
+        """Energy w with its derivatives by I1 and I2; the value is void if they are constant."""
         if self._plane.constant_slopes:
             return self._plane.constant_slopes
         with np.errstate(invalid="ignore"):  # beyond where the law locks
@@ -218,7 +228,7 @@ class _Expansion:
 
     def _bend(self, one: str, other: str) -> Any:
         """Return the part of a second derivative that comes of those of w by I1 and I2."""
-        slopes = self._slopes
+        slopes = self.slopes
         return (
             0.0 if slopes.is_linear else slopes.second_along(self._along[one], self._along[other])
         )
@@ -234,11 +244,29 @@ class _Expansion:
         }
 
 
-def _volume_of_least_energy(plane: PlaneHyperelastic, T: Array, D: Array, per_D: Array) -> Array:
+Expanded = TypeVar("Expanded", bound=Expansion)
+
+
+def of_least_energy(
+    expand: Callable[[Any], Expanded], plane: PlaneHyperelastic, T: Array, D: Array
+) -> Expanded:
+    """Return the expansion at the r of least energy, the cube root of the volume ratio.
+
+    Parameters
+    ----------
+    expand : callable
+        Returns the expansion at an r.
+    plane, T, D
+        Of the expansion.
+    """
+    return expand(1.0 if plane.law.d1 == 0 else _volume_of_least_energy(expand, T, D))
+
+
+def _volume_of_least_energy(expand: Callable[[Any], "Expansion"], T: Array, D: Array) -> Array:
     """Return r, the cube root of the volume over the natural one, of the least energy."""
-    r, inside = _first_guess_of_volume(plane, T, D, per_D)
+    r, inside = _first_guess_of_volume(expand, T, D)
     for _ in range(_VOLUME_ITERATIONS):
-        slope, bend = _Expansion(plane, T, D, per_D, r).volume_derivatives()
+        slope, bend = expand(r).volume_derivatives()
         step = slope / bend
         locked = np.isnan(step)
         if locked.any():  # the law locks there: half way back
@@ -254,14 +282,14 @@ def _volume_of_least_energy(plane: PlaneHyperelastic, T: Array, D: Array, per_D:
 
 
 def _first_guess_of_volume(
-    plane: PlaneHyperelastic, T: Array, D: Array, per_D: Array
+    expand: Callable[[Any], "Expansion"], T: Array, D: Array
 ) -> tuple[Array, Any]:
     """Return r after one Newton step from 1 in J, where a stiff volume is nearly quadratic.
 
     Second, an r from which the law is not locked, if there is one: 1, or else that of the least I1,
     which is then the guess.
     """
-    slope, bend = _Expansion(plane, T, D, per_D, 1.0).volume_derivatives()
+    slope, bend = expand(1.0).volume_derivatives()
     j = np.maximum(-3 * slope / (bend - 2 * slope), -0.5)
     r = (3 + 2 * j) / (3 + j)  # the cube root of 1 + j, to the second order
     locked = np.isnan(r)

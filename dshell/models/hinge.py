@@ -59,7 +59,7 @@ class HingeModel:
         return total_energies(self.energies(stretch), state)
 
     def layer_states(
-        self, stretch: tuple[float, float], state: Array, turn: Array
+        self, energies: Sequence[Energy], state: Array, turn: Array
     ) -> list[LayerState]:
         """Return none: springs and hinges have no strain in the layers."""
         return []

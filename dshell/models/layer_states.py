@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.mechanics.layer_state import LEVELS, LayerState, polar_rotation
+from bilayer.mechanics.memory import ELASTIC, Memory
 from dshell.energies.morley_faces import BentFaces
 from dshell.energies.through_thickness import BentLayer
+from dshell.materials.remembering import dead_stress
 
 Array = NDArray[np.float64]
 
@@ -39,7 +41,8 @@ def _of_layer(block: BentFaces, bent: BentLayer, first: int, turn: Array) -> Lay
     layer, here = bent.layer, bent.layer.face_numbers
     areas, tangents = block.areas[here], block.tangents[:, :, here]
     heights: Array = np.linspace(layer.bottom, layer.top, len(LEVELS), dtype=np.float64)
-    strain, material = bent.strain(heights), bent.at_heights(heights)
+    memory = _memory_at(heights, bent)
+    strain, material = bent.strain(heights), bent.at_heights(heights, memory)
     natural = np.moveaxis(np.broadcast_to(layer.prestretch, (2, 2, len(areas))), 2, 0)
     stretch = np.zeros((*strain.shape[1:], 3, 3))
     bonded = np.stack([1 + 2 * strain[0], strain[2], strain[2], 1 + 2 * strain[1]], axis=-1)
@@ -52,9 +55,24 @@ def _of_layer(block: BentFaces, bent: BentLayer, first: int, turn: Array) -> Lay
         stretch,
         np.broadcast_to(rotation, stretch.shape),
         None,
-        areas * bent.energy(),
+        areas * bent.law_energy(),
         areas * (layer.top - layer.bottom),
+        ELASTIC
+        if memory is None
+        else Memory(memory.factor, dead_stress(layer.law, memory.pull, layer.prestretch)),
     )
+
+
+def _memory_at(heights: Array, bent: BentLayer) -> Memory | None:
+    """Return what a layer remembers at other heights than its Gauss points, by a polynomial."""
+    layer = bent.layer
+    if layer.memory is None:
+        return None
+    powers = np.arange(len(layer.heights))
+    middle, half = (layer.bottom + layer.top) / 2, (layer.top - layer.bottom) / 2
+    known, wanted = (((z - middle) / half)[:, None] ** powers for z in (layer.heights, heights))
+    pull = np.einsum("lg,pgk->plk", wanted @ np.linalg.inv(known), layer.memory.pull)
+    return Memory(layer.memory.factor, pull)
 
 
 def _rotation(tangents: Array, natural: Array) -> Array:
@@ -77,4 +95,12 @@ def _joined(parts: Sequence[LayerState]) -> LayerState:
         None,
         along("energy", 0),
         along("volume", 0),
+        _joined_memory(parts),
     )
+
+
+def _joined_memory(parts: Sequence[LayerState]) -> Memory:
+    memories = [part.memory for part in parts]
+    if memories[0] is ELASTIC:
+        return ELASTIC
+    return Memory(memories[0].factor, np.concatenate([each.pull for each in memories], axis=1))

@@ -73,10 +73,10 @@ class MorleyModel:
         return {name: sum(part[name] for part in parts) for name in parts[0]}
 
     def layer_states(
-        self, stretch: tuple[float, float], state: Array, turn: Array
+        self, energies: Sequence[MorleyFaces], state: Array, turn: Array
     ) -> list[LayerState]:
         """See `dshell.release.specimen_shell.ShellModel`."""
-        return layer_states([faces.at(state) for faces in self.energies(stretch)], turn)
+        return layer_states([faces.at(state) for faces in energies], turn)
 
     def with_specimen(self, specimen: Specimen) -> "MorleyModel":
         """Return the model of another specimen on the same mesh."""

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.mechanics.memory import History
+from bilayer.mechanics.memory import History, Memory
 from dshell.energies.morley_faces import MorleyFaces
+from dshell.materials.remembering import nothing
 
 Array = NDArray[np.float64]
 Histories = list[dict[str, History]]
@@ -67,9 +68,12 @@ class ShellMemory:
     def arrive(self, blocks: Sequence[MorleyFaces], flat: Array, state: Array) -> None:
         """Keep what the layers remember in the equilibrium at the end of the step."""
         known = self._histories or self._held(blocks, flat)
+        memories = [
+            {name: history.memory(self._step) for name, history in own.items()} for own in known
+        ]
         self._histories = [
             {name: history.after(self._step, now[name]) for name, history in own.items()}
-            for own, now in zip(known, _stresses(blocks, state), strict=True)
+            for own, now in zip(known, _stresses(blocks, state, memories), strict=True)
         ]
         self.time += self._step
         self._step = 0.0
@@ -81,7 +85,9 @@ class ShellMemory:
                 for layer in block.laminate.layers
                 if layer.relaxation.terms
             }
-            for block, stresses in zip(blocks, _stresses(blocks, flat), strict=True)
+            for block, stresses in zip(
+                blocks, _stresses(blocks, flat, [{}] * len(blocks)), strict=True
+            )
         ]
 
     def save(self) -> dict[str, Array]:
@@ -115,13 +121,18 @@ class ShellMemory:
             ) from error
 
 
-def _stresses(blocks: Sequence[MorleyFaces], state: Array) -> list[dict[str, Array]]:
-    """Return the instantaneous stress S0 of the layers that relax, by block and name."""
+def _stresses(
+    blocks: Sequence[MorleyFaces], state: Array, memories: Sequence[Mapping[str, Memory]]
+) -> list[dict[str, Array]]:
+    """Return the instantaneous stresses of the layers that relax, by block and name.
+
+    Each has the memory of the step that leads to the state, or none.
+    """
     return [
         {
-            bent.layer.name: bent.at_heights(bent.layer.heights).stress()
+            bent.layer.name: bent.instantaneous(own.get(bent.layer.name, nothing(bent.layer.law)))
             for bent in block.at(state).laminate.layers
             if bent.layer.relaxation.terms
         }
-        for block in blocks
+        for block, own in zip(blocks, memories, strict=True)
     ]

@@ -80,9 +80,10 @@ class ShellModel(Protocol):
     def energy_terms(self, stretch: StretchPair, state: Array) -> Mapping[str, float]:
         """Return the energies that a result lists, J."""
 
-    def layer_states(self, stretch: StretchPair, state: Array, turn: Array) -> list[LayerState]:
+    def layer_states(self, energies: Sequence[Any], state: Array, turn: Array) -> list[LayerState]:
         """Return the deformation of each layer, none if the model has no layers.
 
+        `energies` are those of the model, with what the layers remember.
         `turn`, (3, 3), is the rotation from the axes of the state to those of the result.
         """
 
@@ -297,7 +298,7 @@ class SpecimenShell:
         weights = flat_surface(self.mesh).node_areas
         shape = self.reference_surface(milestone, state)
         turn = best_rotation(shape, self.position(milestone, state), weights).as_matrix()
-        return self.model.layer_states(stretch_of(milestone), state, turn)
+        return self.model.layer_states(self._elastic(milestone), state, turn)
 
     def state_near(self, shape: Array, milestone: Milestone) -> Array:
         """Return the state whose reference surface is near a given one.

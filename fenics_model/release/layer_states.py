@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bilayer.mechanics.layer_state import LayerState, polar_rotation
+from bilayer.mechanics.memory import ELASTIC, Memory
 from bilayer.specimen.prestretch import StretchPair
 from fenics_model.api import dolfinx_api
 from fenics_model.mesh.layered_mesh import LayeredMesh
 from fenics_model.release.specimen_solid import SpecimenSolid, natural_state
-from fenics_model.solid.solid import Solid
+from fenics_model.solid.solid import SolidLayer
 from fenics_model.solid.state import State
+from fenics_model.solid.strain_energy import NOTHING
 
 Array = NDArray[np.float64]
 
@@ -35,6 +37,7 @@ class _Vertices:
 
     gradient: Array  # (c, 4, 3, 3)
     pressure: Array  # (c, 4), Pa
+    dead: Array  # (c, 4, 3, 3), what is remembered of the stress, Pa
 
 
 def layer_states(body: SpecimenSolid, stretch: StretchPair, state: State) -> list[LayerState]:
@@ -51,16 +54,16 @@ def layer_states(body: SpecimenSolid, stretch: StretchPair, state: State) -> lis
     """
     solid, specimen = body.solid, body.specimen
     rule = specimen.prestretch.thickness
-    at_vertices = [_gather(solid.mesh, part) for part in _cell_values(solid, state)]
-    gradient, pressures, energies = at_vertices
+    at_vertices = [_gather(solid.mesh, part) for part in _cell_values(body, state)]
+    gradient, pressures, energies, dead = at_vertices
     volumes = _cell_volumes(solid.mesh)
     found = []
     for number, name in enumerate(body.layer_names):
         own = solid.mesh.volume.layer == number
         natural = _natural(natural_state(specimen.bonded_layer(name, stretch).stretch, rule))
-        values = _Vertices(gradient[own], pressures[own, number])
+        values = _Vertices(gradient[own], pressures[own, number], dead[own])
         faces = body.mesh.faces_of(name)
-        elastic, pressure = _at_levels(values, len(faces), _is_mirrored(solid.mesh, own))
+        elastic, pressure, pull = _at_levels(values, len(faces), _is_mirrored(solid.mesh, own))
         elastic = elastic @ natural
         shape = (-1, len(faces), PRISM)
         found.append(
@@ -72,6 +75,7 @@ def layer_states(body: SpecimenSolid, stretch: StretchPair, state: State) -> lis
                 pressure,
                 energies[own, 0].reshape(shape).sum(axis=(0, 2)),
                 volumes[own].reshape(shape).sum(axis=(0, 2)) / np.linalg.det(natural),
+                _memory(solid.layers[number], pull, natural),
             )
         )
     return found
@@ -82,8 +86,21 @@ def _natural(state: tuple[float, float, float, float]) -> Array:
     return np.array([[x, shear, 0], [shear, y, 0], [0, 0, across]])
 
 
-def _cell_values(solid: Solid, state: State) -> tuple[Array, Array, Array]:
-    """Return gradients and pressures at the vertices of this rank's cells, and their energies."""
+def _memory(layer: SolidLayer, pull: Array, natural: Array) -> Memory:
+    """Return what a layer remembers, with the flat bonded state as reference of its dead stress."""
+    if layer.memory is NOTHING:
+        return ELASTIC
+    volume = float(np.linalg.det(natural))
+    bonded = np.diag([1.0, 1.0, 1 / volume])  # grad(x)
+    return Memory(float(layer.memory.factor.value), volume * (bonded @ pull @ bonded))
+
+
+def _cell_values(body: SpecimenSolid, state: State) -> tuple[Array, Array, Array, Array]:
+    """Return gradients and pressures at the vertices of this rank's cells, and their energies.
+
+    Then the dead stresses at the vertices.
+    """
+    solid = body.solid
     mesh, values = solid.mesh.mesh, state.values
     corners = np.eye(4)[:, 1:]  # of the reference tetrahedron
     quadratic = basix.ufl.element("Lagrange", "tetrahedron", 2)
@@ -98,10 +115,13 @@ def _cell_values(solid: Solid, state: State) -> tuple[Array, Array, Array]:
     pressures = [values[solid.pressure_space(i).dofmap.list[:, :4]] for i in layers]
     energies = sum(solid.cell_energies(i, state) for i in layers)
     ordered = _volume_order(solid.mesh)
+    none = np.zeros((*ordered.shape, 3, 3))
+    dead = none if body.memory is None else body.memory.dead_stress_at_vertices()
     return (
         np.take_along_axis(gradient, ordered[:, :, None, None], axis=1),
         scale * np.stack([np.take_along_axis(p, ordered, axis=1) for p in pressures], axis=1),
         np.asarray(energies)[:, None],
+        np.take_along_axis(dead, ordered[:, :, None, None], axis=1),
     )
 
 
@@ -138,25 +158,26 @@ def _is_mirrored(mesh: LayeredMesh, own: NDArray[np.bool_]) -> NDArray[np.bool_]
     return np.asarray(first[:, 0] > first[:, 3])
 
 
-def _at_levels(values: _Vertices, faces: int, mirrored: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return gradient and pressure at the bottom, the middle and the top of a layer, by face."""
+def _at_levels(values: _Vertices, faces: int, mirrored: NDArray[np.bool_]) -> tuple[Array, ...]:
+    """Return gradient, pressure and dead stress at bottom, middle and top of a layer, by face."""
     gradient = values.gradient.reshape(-1, faces, PRISM, 4, 3, 3)
     pressure = values.pressure.reshape(-1, faces, PRISM, 4)
+    dead = values.dead.reshape(-1, faces, PRISM, 4, 3, 3)
     turned = mirrored.reshape(-1, faces)[:, 0]
     count = len(turned)
     half = count // 2
 
-    def at(element: int, place: str) -> tuple[Array, Array]:
+    def at(element: int, place: str) -> tuple[Array, Array, Array]:
         ends = ENDS[::-1] if turned[element] else ENDS
         cell, weights = {"bottom": ends[0], "middle": MIDDLE, "top": ends[1]}[place]
         share = np.array(weights) / sum(weights)
         return (
             np.einsum("v,fvij->fij", share, gradient[element, :, cell]),
             pressure[element, :, cell] @ share,
+            np.einsum("v,fvij->fij", share, dead[element, :, cell]),
         )
 
     middle = [at(half, "middle")] if count % 2 else [at(half - 1, "top"), at(half, "bottom")]
     mean = tuple(sum(part) / len(middle) for part in zip(*middle, strict=True))
     levels = [at(0, "bottom"), mean, at(count - 1, "top")]
-    gradients, pressures = zip(*levels, strict=True)
-    return np.array(gradients), np.array(pressures)
+    return tuple(np.array(part) for part in zip(*levels, strict=True))

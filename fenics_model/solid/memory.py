@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 PARTS = 7
 """Of what is remembered at a point: xx, yy, zz, xy, xz, yz of the stress, and the pressure."""
 PRESSURE = 6
-_ROWS = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
+ROWS = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
+"""Places of the stress's components among the parts."""
 
 
 class DeadStresses:
@@ -58,9 +59,20 @@ class DeadStresses:
     def of_layer(self) -> Remembered:
         """Return what a layer remembers, at first nothing; its factor is its own."""
         part = self._function
-        tensor = ufl.as_matrix([[part[i] for i in row] for row in _ROWS])
+        tensor = ufl.as_matrix([[part[i] for i in row] for row in ROWS])
         factor = fem.Constant(self._mesh, default_scalar_type(1.0))
         return Remembered(factor, tensor, part[PRESSURE])
+
+    @property
+    def at_vertices(self) -> Array:
+        """Those at the vertices of this rank's cells, (cells, 4, PARTS), Pa.
+
+        In each cell, of the linear function that is nearest to them.
+        """
+        shares = np.column_stack([1 - self.points.sum(axis=1), self.points])
+        values = self._function.x.array.reshape(-1, PARTS)
+        in_cells = values[self._function.function_space.dofmap.list]
+        return np.einsum("vq,cqp->cvp", np.linalg.pinv(shares), in_cells)
 
     def act(self, cells: NDArray[np.int32], pull: Array) -> None:
         """Set the dead stresses in some cells of this rank, (PARTS, q, cells), Pa."""
@@ -157,6 +169,13 @@ class SolidMemory:
             found = layer.stresses.eval(solid.mesh.mesh, layer.cells)
         shaped = np.asarray(found).reshape(len(layer.cells), len(self._dead.points), PARTS)
         return np.array(np.moveaxis(shaped, (2, 1, 0), (0, 1, 2)))
+
+    def dead_stress_at_vertices(self) -> Array:
+        """Return P of the change of shape at the vertices of this rank's cells, (cells, 4, 3, 3).
+
+        With the mesh as reference, Pa; 0 where nothing is remembered.
+        """
+        return self._dead.at_vertices[..., ROWS]
 
     def uniform_stress(self, number: int, state: State) -> Array:
         """Return S0 and the pressure of a layer in a uniform state, (PARTS, 1, 1), Pa.

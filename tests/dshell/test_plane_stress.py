@@ -198,13 +198,13 @@ def test_other_materials_are_refused():
 
 def iterations_of_the_volume(law, strain, monkeypatch):
     counted = []
-    derivatives = plane_stress._Expansion.volume_derivatives
+    derivatives = plane_stress.Expansion.volume_derivatives
 
     def counting(expansion):
         counted.append(expansion)
         return derivatives(expansion)
 
-    monkeypatch.setattr(plane_stress._Expansion, "volume_derivatives", counting)
+    monkeypatch.setattr(plane_stress.Expansion, "volume_derivatives", counting)
     law.at(strain, PRESTRETCH)
     return len(counted) - 1  # the first makes the guess
 

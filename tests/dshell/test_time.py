@@ -45,6 +45,13 @@ def apart(one, other):
     return np.sqrt(np.mean(np.sum((one - other) ** 2, axis=-1))) / R
 
 
+def assert_same_stress(one, other):
+    """What is remembered is known at Gauss points: in the middle of a layer, near its faces."""
+    for level, error in {"bottom": 1e-2, "middle": 1e-5, "top": 1e-2}.items():
+        pair = [stress.sel(level=level).values for stress in (one, other)]
+        assert np.nanmax(np.abs(pair[0] - pair[1])) < error * np.nanmax(np.abs(pair[1]))
+
+
 def test_at_time_zero_the_sheet_is_that_of_the_instantaneous_laws(sheet, mesh):
     elastic = bilayer.solve(sheet, "dshell", mesh=mesh)["position"].values[0]
     found = bilayer.solve(relaxing(sheet, (0.0,)), "dshell", mesh=mesh)["position"].values[0]
@@ -56,22 +63,30 @@ def test_after_long_it_is_that_of_the_relaxed_laws(sheet, mesh):
     times = (0.0, 1e6)
     slow = relaxing(sheet, times, layers=("substrate",), steps_per_decade=2)
     found = bilayer.solve(slow, "dshell", mesh=mesh)
-    relaxed = bilayer.solve(
-        softened(sheet, "substrate", SERIES.relaxed_share), "dshell", mesh=mesh
-    )["position"].values[0]
+    soft = bilayer.solve(softened(sheet, "substrate", SERIES.relaxed_share), "dshell", mesh=mesh)
+    relaxed = soft["position"].values[0]
     assert apart(found["position"].values[1], relaxed) < 1e-6
+    stress, expected = (bilayer.fields(each)["cauchy_stress"] for each in (found, soft))
+    assert_same_stress(stress[1], expected[0])
+    assert float(np.abs(stress[0] - expected[0]).max()) > 1e3  # Pa
     assert apart(found["position"].values[0], relaxed) > 0.02
     assert found["time"].values.tolist() == [0.0, 1e6]
     assert found["time"].attrs["units"] == "s"
 
 
-def test_layers_that_relax_alike_keep_the_shape(sheet, mesh):
+def test_layers_that_relax_alike_keep_the_shape_and_lose_the_stress(sheet, mesh):
     found = bilayer.solve(
         relaxing(sheet, (0.0, 3.0, 100.0), steps_per_decade=3), "dshell", mesh=mesh
     )
     first, *later = found["position"].values
     for shape in later:
         assert apart(shape, first) < 1e-6
+    fields = bilayer.fields(found)
+    for name in ("cauchy_stress", "pressure"):
+        for row, time in zip(fields[name], found["time"].values, strict=True):
+            assert_same_stress(row, SERIES.stress_left(time) * fields[name][0])
+    energy = fields["energy_density"].values  # of the instantaneous laws
+    assert energy[2] == pytest.approx(energy[0], rel=1e-5, nan_ok=True)
 
 
 def test_a_hold_makes_the_dome_flatter(sheet, mesh):
@@ -124,7 +139,6 @@ def test_a_file_keeps_the_schedule_and_results_are_computed_again(sheet, mesh, t
     from bilayer.solvers.rerun import agree, rerun
 
     assert agree(result, rerun(result))
-    assert "mean_curvature" in bilayer.fields(result)  # of the shapes alone
 
 
 def test_times_in_a_file_have_units(sheet):
@@ -155,4 +169,4 @@ def test_the_example_rises_for_minutes():
     path = Path(__file__).parents[2] / "examples" / "slow_dome.toml"
     specimen = bilayer.read_specimen(path, ["mesh.size=0.01"])
     heights = bilayer.solve(specimen, "dshell")["height"].values
-    assert 1e3 * heights == pytest.approx([9.31, 11.29, 14.07, 15.73, 16.56], abs=0.1)
+    assert 1e3 * heights == pytest.approx([8.20, 10.27, 13.36, 15.38, 16.49], abs=0.1)
