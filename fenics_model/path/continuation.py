@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bilayer.errors import ComputationError
 from bilayer.results.schema import UNKNOWN_STABILITY
@@ -149,9 +150,16 @@ class Continuation:
                 yield replace(point, effort=self._take_effort(load_steps=1))
                 self._newton.stopwatch.restart()
 
-    def begin_anew(self) -> None:
-        """Expect nothing of the equilibria before the last one: another kind of load follows."""
+    def begin_anew(self, slope: NDArray[np.float64] | None) -> None:
+        """Expect nothing of the equilibria before the last one: another kind of load follows.
+
+        Parameters
+        ----------
+        slope : array of float or None
+            Expected change of the state over that of the parameter.
+        """
         self._change_branch(self.parameter, self.predictor.last)
+        self.predictor = Predictor(self.predictor.known, slope)
 
     def stopped(self) -> LoadPoint:
         """Return the last equilibrium, with the work done in vain since then."""

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fenics_model.solid.state import State
 
@@ -31,10 +32,15 @@ class Predictor:
     ----------
     known : sequence of (float, State)
         Parameter and state of one or more equilibria, the last one last.
+    slope : array of float, optional
+        Change of the state over that of the parameter, for a single equilibrium.
     """
 
-    def __init__(self, known: Sequence[tuple[float, State]]) -> None:
+    def __init__(
+        self, known: Sequence[tuple[float, State]], slope: NDArray[np.float64] | None = None
+    ) -> None:
         self.known = list(known)
+        self._slope = slope
 
     def record_equilibrium(self, parameter: float, state: State) -> None:
         """Learn an equilibrium; of two at one parameter, the second."""
@@ -48,6 +54,8 @@ class Predictor:
 
     def guess(self, parameter: float) -> State:
         """Guess the state at a parameter."""
+        if len(self.known) == 1 and self._slope is not None:
+            return self.last + (parameter - self.parameter) * self._slope
         change = np.zeros_like(self.last.values)
         weights = extrapolation_weights([t for t, _ in self.known], parameter)
         for weight, (_, state) in zip(weights, self.known, strict=True):

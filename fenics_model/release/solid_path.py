@@ -69,6 +69,8 @@ LEAST_LOAD = 1e-3
 ROUND_OFF = 1e-12
 """Of the residual of a sheet that is stretched by `STRETCH`, the part that is round-off."""
 
+MOST_AHEAD = 4.0
+"""Largest ratio of the change that is expected in a step of time to that in the step before."""
 FIRST_DISTANCE = 0.1
 """Of the walk off an unstable milestone, over the carrier's thickness."""
 
@@ -374,11 +376,35 @@ class SolidPath:
     def _in_time(self, target: Milestone, time: float) -> Iterator[LoadPoint]:
         """Go to a target at the end of a step of time, which is remembered."""
         if time > 0:
-            self._continuation.begin_anew()
+            self._continuation.begin_anew(self._slope_in_time(time))
         for point in self._go_on(target, time):
             if point.share == 1:
                 self.body.remember(self.loads.place(point.parameter), point.state)
             yield point
+
+    def _slope_in_time(self, time: float) -> Array | None:
+        """Return the expected change in a step of time, over its length on the path.
+
+        The state changes with the stress that relaxes, as it did in the step before. With loads,
+        which have ways of their own, nothing is expected.
+        """
+        known = self._continuation.predictor.known[-2:]
+        if len(known) < 2 or self.body.specimen.loads:
+            return None
+        (before, first), (here, last) = known
+        left = [self._stress_left(t) for t in (*map(self._time_at, (before, here)), time)]
+        if left[0] <= left[1]:
+            return None
+        ratio = min(MOST_AHEAD, (left[1] - left[2]) / (left[0] - left[1]))
+        return ratio / self.body.settings.first_step * (last - first)
+
+    def _time_at(self, parameter: float) -> float:
+        return self.loads.place(parameter).time
+
+    def _stress_left(self, time: float) -> float:
+        """Return the shares of all layers' stresses that are left of one that is held, summed."""
+        layers = self.body.specimen.layers
+        return sum(float(layer.relaxation.stress_left(time)) for layer in layers)
 
     def _go_on(self, target: Milestone, time: float) -> Iterator[LoadPoint]:
         """Follow the equilibria to a target at a time."""
