@@ -17,6 +17,8 @@ from verification.solid_problem import held_where, mean, newton_of, push, rectan
 
 SIDE, THICKNESS = 2e-3, 1e-3
 DEGREE = 4
+TWO_TERMS = PronySeries(((0.4, 0.7), (0.3, 20.0)))
+ONE_TERM = PronySeries(((0.6, 10.0),))
 TINY = 1e-7
 """Strain of a block that creeps, so that its answer is that of small strain."""
 TOLERANCE = 1e-12

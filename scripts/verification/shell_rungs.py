@@ -22,12 +22,16 @@ from verification import (
     cantilevers,
     clamped_plate,
     contacts,
+    curved_surfaces,
     derivatives,
     flowers,
     hinge_lattice,
     inflated_membrane,
     plates,
+    relaxing_layer,
+    shell_fields,
     shell_states,
+    slow_sheets,
 )
 from verification.laws import LAW_CASES, STRETCHES, law_checks
 from verification.meshes import hexagon, rectangle
@@ -325,6 +329,34 @@ def every_law() -> Iterator[Check]:
             yield from law_checks(name, case, stretch, uniaxial, equibiaxial, planar)
 
 
+def relaxation() -> Iterator[Check]:
+    for name, law in relaxing_layer.LAWS.items():
+        found = relaxing_layer.held_error(law)
+        yield Check(f"{name}: a strain that is held, forces over g(t)", found, 0.0, 1e-6, 1.0)
+    times, found, *given = relaxing_layer.creep(4000)
+    apart = np.abs(found / relaxing_layer.exact_creep(times, *given) - 1).max()
+    yield Check("creep of a film on a sheet, strain", float(apart), 0.0, 1e-6, 1.0)
+    yield from slow_sheets.limits("dshell", 0.006)
+
+
+def fields() -> Iterator[Check]:
+    for name, law in shell_fields.LAWS.items():
+        found = shell_fields.uniform_errors(law)
+        yield Check(f"{name}: uniform state, stress", found.stress, 0.0, 1e-8, 1.0)
+        yield Check(f"{name}: uniform state, energy density", found.energy, 0.0, 1e-10, 1.0)
+    yield Check("uneven state, energies", shell_fields.energy_error(), 0.0, 1e-10, 1.0)
+    meshes = curved_surfaces.disc_meshes()
+    for name in curved_surfaces.SURFACES:
+        (mean, gaussian), rates = curved_surfaces.errors_and_rates(name, meshes)
+        yield Check(f"{name}, 3 mm: mean curvature, error times R", mean, 0.0, 1.2e-3, 1.0)
+        yield Check(f"{name}, 3 mm: Gaussian, error times R^2", gaussian, 0.0, 1.2e-3, 1.0)
+        least = 1.0 if name == "saddle" else 2.0
+        for which, rate in zip(("mean", "Gaussian"), rates, strict=True):
+            missing = max(0.0, least - float(rate))
+            yield Check(f"{name}: rate of the {which} curvature, less than {least:g} by", missing,
+                        0.0, 0.1, 1.0)  # fmt: skip
+
+
 MORLEY, HINGE = "dshell morley", "dshell hinge"
 
 TESTED_RUNGS = (
@@ -499,6 +531,20 @@ LONG_RUNGS = (
         "The template at 8 mm: where the damped motion ends against the static equilibrium, and "
         "what each costs.",
         motion_against_statics,
+    ),
+    Rung(
+        22, MORLEY, "Layers that relax",
+        "Forces of a strain that is held over the first ones, g(t); creep of a film of 0.6 "
+        "exp(-t / 10 s) on an elastic one, closed form in 4000 steps; the paper's specimen at 1.06 "
+        "on a mesh of 6 mm, its substrate relaxing to 30 %.",
+        relaxation,
+    ),
+    Rung(
+        25, MORLEY, "Fields",
+        "Stress of a stretched and sheared sheet, from the law; energy density times volume "
+        "against the energies; curvatures of a sphere, a cylinder and a saddle on discs of 40 mm, "
+        "by the edge of the mesh.",
+        fields,
     ),
 )  # fmt: skip
 """Not among the tests of `scripts/test`, which has their like on coarse meshes."""

@@ -5,14 +5,12 @@ import pytest
 
 pytest.importorskip("dolfinx")
 
-from verification.relaxing_solid import RelaxingBlock, exact_creep
+from verification.relaxing_solid import ONE_TERM, RelaxingBlock, exact_creep
+from verification.relaxing_solid import TWO_TERMS as SERIES
 from verification.solid_problem import newton_of
 
 from bilayer import MooneyRivlin
-from bilayer.specimen.relaxation import PronySeries
 
-SERIES = PronySeries(((0.4, 0.7), (0.3, 20.0)))
-ONE_TERM = PronySeries(((0.6, 10.0),))
 STEPS = (0.1, 0.5, 7.0, 30.0, 300.0)
 
 
