@@ -1,7 +1,8 @@
 """All milestones of a result as one time series, which ParaView plays: a .pvd file and its shapes.
 
 The .pvd file names one .vtu file beside it for each milestone that was reached. The time of a shape
-is its prestretch, or its number if the prestretch does not rise from one to the next.
+is that after the release if the result has times, else its prestretch, or its number if that does
+not rise from one to the next.
 """
 
 from pathlib import Path
@@ -78,7 +79,7 @@ def convert_series(
         for place, name in zip(places, names[1:], strict=True):
             data = shape_data(result, int(place), part, fields, axes)
             write_mesh_data(as_meshio(data), partial.with_name(name.name))
-        times = _times(result["prestretch"].values[places])
+        times = _times(result, places)
         partial.write_text(_collection(times, [name.name for name in names[1:]]), "utf-8")
     return names
 
@@ -90,9 +91,11 @@ def series_names(result: xr.Dataset, path: str | Path) -> list[Path]:
     return [target, *(target.with_name(f"{target.stem}_{k}.vtu") for k in range(count))]
 
 
-def _times(stretches: NDArray[np.float64]) -> list[float]:
-    rising = bool(np.all(np.diff(stretches) > 0))
-    return [float(t) for t in (stretches if rising else np.arange(len(stretches)))]
+def _times(result: xr.Dataset, places: NDArray[np.int64]) -> list[float]:
+    name = "time" if "time" in result.variables else "prestretch"
+    values = result[name].values[places]
+    rising = bool(np.all(np.diff(values) > 0))
+    return [float(t) for t in (values if rising else np.arange(len(values)))]
 
 
 def _collection(times: list[float], names: list[str]) -> str:

@@ -1,5 +1,6 @@
 """Time series that ParaView plays, and solids that slicers take."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from bilayer.exports.solid import SOLIDS, convert_solid, solid_of
 from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import write_result
 from bilayer.results.schema import MilestoneState
+from bilayer.specimen.schedule import Schedule
 
 pyvista = pytest.importorskip("pyvista")
 trimesh = pytest.importorskip("trimesh")
@@ -41,6 +43,13 @@ def test_pyvista_opens_the_series_with_its_times_and_names(caps, tmp_path):
         assert {"displacement", "layer", "layer_prestretch"} <= set(grid.array_names)
         heights.append(np.ptp(grid.points[:, 2]))
     assert 0 < heights[0] < heights[1] < 0.05
+
+
+def test_a_series_of_times_has_them(tmp_path):
+    sheet = bilayer.paper_specimen().with_milestones([1.06])
+    slow = replace(sheet, schedule=Schedule((0.0, 10.0, 300.0), 60.0))
+    convert_series(cap_result(slow), tmp_path / "slow.pvd")
+    assert pyvista.get_reader(str(tmp_path / "slow.pvd")).time_values == [0.0, 10.0, 300.0]
 
 
 def test_a_loop_of_prestretches_has_numbers_for_times(tmp_path):
