@@ -13,7 +13,7 @@ from verification.calculix_rung import CALCULIX_RUNGS
 from verification.fenics_rungs import FENICS_RUNGS
 from verification.rung import Check, Rung
 from verification.shell_rungs import SHELL_RUNGS
-from verification.table import missed, page, rung_text, summary
+from verification.table import missed, page, renewed_page, rung_text, summary
 
 from bilayer.errors import InputError
 from bilayer.runtime.output_file import whole_file
@@ -43,6 +43,8 @@ def main(words: Sequence[str] | None = None) -> int:
         return 2
     chosen = [rung for rung in RUNGS if not options.rung or rung.number in options.rung]
     try:
+        if options.renew:
+            return renew(chosen, options.output)
         return verify(chosen, None if options.rung else options.output)
     except InputError as error:
         print(f"scripts/verify: error: {error}", file=sys.stderr)
@@ -51,6 +53,20 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def verify(rungs: Sequence[Rung], output: Path | None) -> int:
     """Climb the rungs, print each, write the page if there is one; 1 if a check misses."""
+    ladder = _climb(rungs)
+    if output is not None:
+        _write(output, page(ladder, ABSENT))
+    return 1 if missed(ladder) else 0
+
+
+def renew(rungs: Sequence[Rung], output: Path) -> int:
+    """Climb some rungs and put them in their places on the page; 1 if a check misses."""
+    ladder = _climb(rungs)
+    _write(output, renewed_page(output.read_text(encoding="utf-8"), RUNGS, ladder, ABSENT))
+    return 1 if missed(ladder) else 0
+
+
+def _climb(rungs: Sequence[Rung]) -> list[tuple[Rung, list[Check]]]:
     ladder: list[tuple[Rung, list[Check]]] = []
     for rung in rungs:
         start = time.process_time()
@@ -58,11 +74,13 @@ def verify(rungs: Sequence[Rung], output: Path | None) -> int:
         ladder.append((rung, checks))
         print(rung_text(rung, checks), f"  CPU {time.process_time() - start:.1f} s\n", flush=True)
     print(summary(ladder))
-    if output is not None:
-        with whole_file(output, "page") as path:
-            path.write_text(page(ladder, ABSENT), encoding="utf-8")
-        print(f"The page is {output}")
-    return 1 if missed(ladder) else 0
+    return ladder
+
+
+def _write(output: Path, text: str) -> None:
+    with whole_file(output, "page") as path:
+        path.write_text(text, encoding="utf-8")
+    print(f"The page is {output}")
 
 
 def _options(words: Sequence[str] | None) -> argparse.Namespace:
@@ -71,7 +89,8 @@ def _options(words: Sequence[str] | None) -> argparse.Namespace:
         description="Cases with known answers: what is measured, the reference, the verdict. "
         "Exit status 1 if a check misses its tolerance.",
         epilog="examples:\n  scripts/verify          # all rungs, and docs/verification.md"
-        "\n  scripts/verify 9 13     # these rungs, printed only",
+        "\n  scripts/verify 9 13     # these rungs, printed only"
+        "\n  scripts/verify 9 --renew    # this rung, in its place on the page",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
@@ -81,6 +100,10 @@ def _options(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--output", type=Path, default=PAGE, metavar="FILE",
         help="page to write if all rungs are computed (default: docs/verification.md)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--renew", action="store_true",
+        help="put the rungs that are named in their places on the page, the others as they were",
     )  # fmt: skip
     return parser.parse_args(words)
 

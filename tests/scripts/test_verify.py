@@ -70,6 +70,23 @@ def test_chosen_rungs_are_printed_and_the_page_stays(tmp_path, capsys):
     assert not output.exists()
 
 
+def test_a_rung_can_be_renewed_in_its_place_on_the_page(tmp_path, capsys):
+    output, text = tmp_path / "page.md", PAGE.read_text()
+    old = text.replace("| passed |", "| missed |", 1)
+    assert old.index("| missed |") < old.index("## 4. ")  # of rung 1
+    output.write_text(old.replace("## 9. Lattice of hinges (dshell hinge)", "## 9. Another"))
+    assert verify_ladder.main(["9", "--renew", "--output", str(output)]) == 0
+    found = output.read_text()
+    titles = [line for line in text.splitlines() if line.startswith("## ")]
+    assert [line for line in found.splitlines() if line.startswith("## ")] == titles
+    assert " 1 missed.\n" in found and found.count("| missed |") == 1
+    whole = text.replace(" 0 missed.", " 1 missed.").splitlines()
+    assert len(found.splitlines()) == len(whole)
+    output.write_text("# Verification\n")
+    assert verify_ladder.main(["9", "--renew", "--output", str(output)]) == 2
+    assert "rung 1: is not on the page" in capsys.readouterr().err
+
+
 def test_a_rung_that_does_not_exist_is_refused(capsys):
     assert verify_ladder.main(["99"]) == 2
     assert "rung 99: expected one of 1, " in capsys.readouterr().err
