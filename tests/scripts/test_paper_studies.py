@@ -171,17 +171,22 @@ def test_the_shell_is_held_against_the_paper_s_shift(below, said):
     )
     points = pd.concat([solid, shell])
     assert shift_verdict(points, "paper").startswith(f"{said}, {below:+.3f} below in the mean")
-    assert "0 prestretches of 1" in shift_verdict(points.assign(sound=False), "paper")
+    crossing = shift_verdict(points.assign(sound=False), "paper")
+    assert crossing.startswith(f"{said}, ") and "of the 0 at which no shape passes" in crossing
+    assert "no point of both" in shift_verdict(points[points["model"] == "solid"], "paper")
 
 
-def test_the_shift_is_open_where_points_that_do_not_count_would_turn_it():
+def test_shapes_that_pass_through_themselves_are_a_model_s_own_and_are_told():
     solid = judged("cut.strips", [0.5]).assign(model="solid")
     shell = judged("cut.strips", [0.42]).assign(model="paper")
     touching = shell.assign(prestretch=1.2, quality=0.9, sound=False)
     points = pd.concat([solid, solid.assign(prestretch=1.2), shell, touching])
     said = shift_verdict(points, "paper")
-    assert said.startswith("CANNOT BE DECIDED, +0.080 below")
-    assert "1 prestretches of 2 with sound points; -0.160 with all 2 reached" in said
+    assert said.startswith("does NOT hold, -0.160 below in the mean, 0.400 apart at most (2 ")
+    assert "of the 1 at which no shape passes through itself +0.080 below" in said
+    assert said.endswith("holds")
+    lost = shift_verdict(pd.concat([points, solid.assign(prestretch=1.3)]), "paper")
+    assert lost.startswith("CANNOT BE DECIDED, a point was not reached")
 
 
 def test_every_conclusion_has_a_line_for_each_solver():
