@@ -1,8 +1,9 @@
 """The motion of a planar mesh with outline and cuts, so that a design changes without remeshing.
 
 The sheet is described around the origin. Between the angles of the cuts at a radius, angles go
-linearly along; between the inner radius and the rim, so do radii. Within the inner radius the turn
-fades to none at the centre. Nodes on cuts and rim stay on them.
+linearly along; between the inner radius, the knots of a profile and the rim, so do radii. Within
+the inner radius the turn fades to none at the centre. Nodes on cuts, their knots and the rim stay
+on them, but for knots that lie beyond the rim at some angle.
 """
 
 import math
@@ -90,6 +91,17 @@ class PolarSheet:
                 return self.cut.radii[0]
         return 0.0
 
+    @property
+    def knots(self) -> Array:
+        """The radii at which the cuts may bend, from where they begin, ascending, m."""
+        radii = self.cut.radii if isinstance(self.cut, SectorProfile) else (self.inner_radius,)
+        return np.array(radii, dtype=float)
+
+    @property
+    def least_reach(self) -> float:
+        """The least distance of the rim from the origin, m; of a polygon, at whole degrees."""
+        return float(self.reach(np.linspace(0.0, TURN, 361)[:-1]).min())
+
     def edge_angles(self, radius: Array) -> Array:
         """Return the angles of the cuts' edges at some radii, ascending, rad, shape (n, 2 cuts)."""
         match self.cut:
@@ -121,18 +133,30 @@ class PolarSheet:
         x, y = points.T
         radius, angle = np.hypot(x, y), np.arctan2(y, x) % TURN
         inner, inner_after = self.inner_radius, after.inner_radius
-        share = (radius - inner) / (self.reach(angle) - inner)
+        knots, knots_after = _common_knots(self, after)
+        last, last_after = knots[-1], knots_after[-1]
+        share = (radius - last) / (self.reach(angle) - last)
         within = radius / inner if inner else np.ones_like(radius)
+        between = np.interp(radius, knots, knots_after)
         fade = np.minimum(within, 1.0)
         edges = self.edge_angles(np.maximum(radius, inner))
         moved_angle, moved_radius = angle, radius
         for _ in range(1 if isinstance(after.outline, Disc) else PASSES):
-            beyond = inner_after + share * (after.reach(moved_angle) - inner_after)
-            moved_radius = np.where(radius < inner, within * inner_after, beyond)
+            beyond = last_after + share * (after.reach(moved_angle) - last_after)
+            moved_radius = np.where(radius < last, between, beyond)
+            moved_radius = np.where(radius < inner, within * inner_after, moved_radius)
             there = after.edge_angles(np.maximum(moved_radius, inner_after))
             moved_angle = angle + fade * (_between_edges(angle, edges, there) - angle)
         away = np.column_stack([np.cos(moved_angle), np.sin(moved_angle)])
         return moved_radius[:, None] * away
+
+
+def _common_knots(before: PolarSheet, after: PolarSheet) -> tuple[Array, Array]:
+    """Return the knots that lie within the rim at all angles, before and after; at least one."""
+    knots, knots_after = before.knots, after.knots
+    within = (knots < before.least_reach) & (knots_after < after.least_reach)
+    count = max(int(np.argmin(within)) if not within.all() else len(within), 1)
+    return knots[:count], knots_after[:count]
 
 
 def _between_edges(angle: Array, before: Array, after: Array) -> Array:

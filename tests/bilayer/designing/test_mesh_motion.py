@@ -50,6 +50,20 @@ def test_an_ellipse_grows_with_its_cuts(profiled):
     check_agreement(changed, SheetMesh(ellipse, mesh).of(changed))
 
 
+def test_the_bends_of_a_profile_stay_where_they_are_as_the_outline_grows(profiled):
+    bent = bilayer.SectorProfile(5, (0.008, 0.015, 0.022, 0.028), (0.12, 0.30, 0.14, 0.30))
+    ellipse = replace(profiled, outline=bilayer.Ellipse(0.08, 0.06)).with_layer(
+        "kirigami", pattern=bent
+    )
+    sheet = SheetMesh(ellipse, bilayer.generate_mesh(ellipse))
+    for change in (
+        {"outline.width": 0.09},
+        {"outline.width": 0.075, "outline.height": 0.065, "kirigami.pattern.inner_radius": 0.009},
+    ):
+        changed = with_values(ellipse, change)
+        check_agreement(changed, sheet.of(changed))
+
+
 def test_equal_sectors_open():
     specimen = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(0.008))
     changed = with_values(specimen, {"kirigami.pattern.cutout_angle": 0.4})
