@@ -194,5 +194,7 @@ def _row(
 
 def _shapes(outcome: DesignOutcome) -> Iterable[tuple[str, ShapeFound]]:
     scenarios = outcome.task.robustness.scenarios
+    is_along = outcome.is_by_elements and outcome.flat_failure
+    model = "finite elements, along the way" if is_along else "shell"
     for scenario, found in zip(scenarios, outcome.from_flat.shapes, strict=True):
-        yield f"shell, {scenario.words}", found
+        yield f"{model}, {scenario.words}", found
