@@ -100,7 +100,8 @@ class PolarSheet:
     @property
     def least_reach(self) -> float:
         """The least distance of the rim from the origin, m; of a polygon, at whole degrees."""
-        return float(self.reach(np.linspace(0.0, TURN, 361)[:-1]).min())
+        around: Array = np.asarray(np.linspace(0.0, TURN, 361)[:-1])
+        return float(self.reach(around).min())
 
     def edge_angles(self, radius: Array) -> Array:
         """Return the angles of the cuts' edges at some radii, ascending, rad, shape (n, 2 cuts)."""
