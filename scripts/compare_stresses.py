@@ -157,11 +157,8 @@ def _mesh_line(name: str, rows: Sequence[Row]) -> str:
     """Return a row of the table of meshes: the middle of each layer, then all of its faces."""
     cells = []
     for layer in dict.fromkeys(row.layer for row in rows):
-        own = [row for row in rows if row.layer == layer]
-        for chosen in (
-            [r for r in own if r.level == "middle"],
-            [r for r in own if r.level != "middle"],
-        ):
+        for is_middle in (True, False):
+            chosen = [r for r in rows if r.layer == layer and (r.level == "middle") == is_middle]
             whole = np.mean([row.apart / row.solid for row in chosen])
             inside = np.mean([row.inside for row in chosen])
             cells.append(f"{100 * whole:.0f} %, {100 * inside:.0f} %")
