@@ -184,8 +184,8 @@ In the middle of the layers the models are {middle} apart, at their faces {faces
 The finite-element model has one element through each layer. Near the rim and the cuts, over about
 a thickness, its stress is three-dimensional; the shell's is not. The column *inside* leaves out the
 triangles whose centroid is nearer to the rim or a cut than the thickness of all layers.
-{share:.0f} % of the sheet's area stay. There the models are {middle_inside} apart in the middle, and
-{faces_inside} at the faces.
+{share:.0f} % of the sheet's area stay. There the models are {middle_inside} apart in the middle,
+and {faces_inside} at the faces.
 
 | prestretch | layer | height | FE, kPa | shell, kPa | apart, kPa | apart | inside | angle, ° |
 |---|---|---|---|---|---|---|---|---|

@@ -21,7 +21,7 @@ from bilayer.results.caveats import is_unstable, touches_itself
 from bilayer.results.milestones import along_milestones
 from bilayer.results.other_mesh import positions_on
 from bilayer.results.schema import SAME_STRETCH, result_mesh, result_specimen
-from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.results.table import cells, stretch_text, stretches, time_column
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.layer import Layer
 from bilayer.specimen.specimen import MeshSize, Specimen
@@ -116,6 +116,7 @@ def comparison_table(comparison: xr.Dataset) -> str:
     percent = 100 * comparison["rms_distance_over_radius"]
     columns = {
         ("", "prestretch"): [stretch_text(pair) for pair in stretches(comparison)],
+        **time_column(comparison),
         ("rms distance", "mm"): cells(1e3 * comparison["rms_distance"], "{:.3f}"),
         ("rms distance", "% of R"): cells(percent, "{:.2f}"),
     }

@@ -12,7 +12,7 @@ from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
 from bilayer.results.schema import TIMES_FOUND
-from bilayer.results.table import stretch_text, stretches
+from bilayer.results.table import shape_title
 
 MM_PER_M = 1e3
 
@@ -63,7 +63,6 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
     InputError
         There is none.
     """
-    pairs = stretches(result)
     shapes = []
     for k, note in enumerate(caveats(result)):
         milestone = result.isel(prestretch=k)
@@ -73,7 +72,7 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"
         if np.isfinite(position).all():
             upright = MM_PER_M * upright_frame(mesh, position).coordinates(position)
-            title = _state_title(k, milestone) or f"λ = {stretch_text(pairs[k])}"
+            title = _state_title(k, milestone) or shape_title(milestone)
             shapes.append(Shape(title, note, Surface(upright, mesh.triangles), k))
     if not shapes:
         raise InputError(f"the result of {result_label(result)} holds no shape to draw")

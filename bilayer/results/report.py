@@ -24,7 +24,7 @@ from bilayer.results.schema import (
     result_mesh,
     result_specimen,
 )
-from bilayer.results.table import cells, stretch_text, stretches
+from bilayer.results.table import cells, stretch_text, stretches, time_column
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.doubts import doubts
 from bilayer.specimen.layer import BondedLayer, Response
@@ -45,6 +45,7 @@ def result_table(result: xr.Dataset) -> str:
     span = result["span"].values
     columns = {
         ("pre-", "stretch"): [stretch_text(pair) for pair in stretches(result)],
+        **time_column(result),
         **load_columns(result),
         ("", "reached"): ["yes" if done else "no" for done in result["converged"].values],
         ("", "quality"): cells(result["quality"].values, "{:.3f}"),

@@ -19,6 +19,20 @@ def stretch_text(pair: NDArray[np.float64] | tuple[float, float]) -> str:
     return f"{pair[0]:g}" if pair[0] == pair[1] else f"{pair[0]:g},{pair[1]:g}"
 
 
+def time_column(result: xr.Dataset) -> dict[tuple[str, str], list[str]]:
+    """Return the column of a table with the times after the release; none if there are no times."""
+    if "time" not in result.variables:
+        return {}
+    return {("after", "s"): cells(result["time"].values, "{:g}")}
+
+
+def shape_title(milestone: xr.Dataset) -> str:
+    """Return what a shape is called in a figure: "λ = 1.06", or "λ = 1.06, 10 s"."""
+    (pair,) = stretches(milestone.expand_dims("prestretch"))
+    title = f"λ = {stretch_text(pair)}"
+    return f"{title}, {float(milestone['time']):g} s" if "time" in milestone.variables else title
+
+
 def milestone_text(specimen: Specimen, milestone: Milestone) -> str:
     """Return a milestone in a few words: "1.06, blow 120 Pa"."""
     return ", ".join([stretch_text(stretch_of(milestone)), *load_words(specimen, milestone)])

@@ -9,6 +9,8 @@ import pytest
 import bilayer
 from bilayer import InputError, MeshSize
 from bilayer.results.files import write_result
+from bilayer.results.report import result_table
+from bilayer.results.table import shape_title
 from bilayer.specimen.relaxation import PronySeries
 from bilayer.specimen.schedule import Schedule
 from bilayer.specimen.toml import parse_specimen, specimen_to_toml
@@ -139,6 +141,11 @@ def test_a_file_keeps_the_schedule_and_results_are_computed_again(sheet, mesh, t
     from bilayer.solvers.rerun import agree, rerun
 
     assert agree(result, rerun(result))
+    head, units, first, second = result_table(result).splitlines()
+    assert (head.split()[1], units.split()[1]) == ("after", "s")
+    assert [line.split()[1] for line in (first, second)] == ["0", "2"]
+    titles = [shape_title(result.isel(prestretch=k)) for k in range(2)]
+    assert titles == ["λ = 1.06, 0 s", "λ = 1.06, 2 s"]
 
 
 def test_times_in_a_file_have_units(sheet):
