@@ -182,7 +182,7 @@ def page(
         "flow, which leads where Newton's method does not. docs/theory-fenics.md says how a",
         "milestone is reached.",
         "",
-        *[f"- {line}" for line in summary(maps)],
+        *[f"- {line}" for line in [*_missing(maps, map_names), *summary(maps)]],
         "",
         *_rows(maps, map_names),
         "",
@@ -191,6 +191,17 @@ def page(
         *_rows(others, other_names),
         "",
     ])  # fmt: skip
+
+
+def _missing(table: pd.DataFrame, names: Sequence[str]) -> list[str]:
+    """Return a line that warns of cases that are not computed; none if all are."""
+    left = len([name for name in names if name not in table.index])
+    if not left:
+        return []
+    return [
+        f"**{left} of {len(names)} cases are not computed. What follows is of the others alone, "
+        "and no median of the maps.**"
+    ]
 
 
 def _rows(table: pd.DataFrame, names: Sequence[str] = ()) -> list[str]:

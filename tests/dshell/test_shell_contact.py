@@ -2,12 +2,21 @@
 
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bilayer import MeshSize, generate_mesh, open_result, paper_specimen, solve, write_result
+from bilayer import (
+    MeshSize,
+    generate_mesh,
+    open_result,
+    paper_specimen,
+    read_specimen,
+    solve,
+    write_result,
+)
 from bilayer.contact.package import contact_is_installed
 from bilayer.errors import InputError
 from bilayer.results.caveats import touches_itself
@@ -186,3 +195,16 @@ def test_the_lattice_takes_contact_too(specimen, mesh):
     result = solve(specimen.with_milestones([1.03]), "dshell", settings, mesh=mesh)
     assert result["converged"].values.all()
     assert (result["contact_crosses"].values == 0).all()
+
+
+@needs_ipctk
+def test_a_thin_substrate_is_pressed_onto_itself_between_thick_petals():
+    """Stretched by three tenths, what is bare of it folds; the mesh is coarse for that."""
+    example = Path(__file__).parents[2] / "examples" / "thin_substrate.toml"
+    sheet = read_specimen(example, ["mesh.size=9 mm", "prestretch.milestones=[1.1, 1.3]"])
+    result = solve(sheet, "dshell", MorleySettings(contact="barrier"))
+    assert result["converged"].values.all()
+    assert result["unstable_modes"].values.tolist() == [0, 0]
+    assert result["contact_crosses"].values.tolist() == [0, 0]
+    assert result["contact_pairs"].values[1] > 0
+    assert result["height"].values[1] == pytest.approx(34e-3, rel=0.05)

@@ -40,8 +40,10 @@ def test_the_page_has_what_each_case_took(tmp_path):
     assert text.count(row) == 2
     assert "- not reached: 0 points (asked: 0)" in text
     assert fe_maps.NOT_COMPUTED not in text
+    assert "no median" not in text
     text = fe_maps.page(table, table, ["one sheet", "another"], ["another"])
     assert text.count(row) == 1
+    assert "**1 of 2 cases are not computed." in text
     assert text.count(f"| another | {fe_maps.NOT_COMPUTED} |") == 2
 
 
