@@ -18,7 +18,7 @@ from bilayer.runtime.output_file import whole_file
 
 ROOT = Path(__file__).parents[1]
 SPECIMEN = Path(__file__).parent / "studies" / "specimen.toml"
-SHEETS = ((4, 1.06), (6, 1.06), (6, 1.15), (8, 1.06), (8, 1.15))
+SHEETS = ((4, 1.06), (4, 1.15), (6, 1.06), (6, 1.15), (8, 1.06), (8, 1.15))
 """Strips and prestretch, on 6 mm."""
 FINER = ((6, 1.06, 0.004), (6, 1.06, 0.003), (6, 1.06, 0.0025))
 """Strips, prestretch and mesh size in m. Each begins with the states on the mesh before."""
