@@ -36,9 +36,9 @@ def open_path(
         import slepc4py  # noqa: F401
     except ImportError as error:
         raise ComputationError(
-            f"the finite-element model needs dolfinx with PETSc and SLEPc ({error}): run inside "
-            "scripts/env, or install them (on Debian 13 and later: apt install python3-dolfinx "
-            "python3-slepc4py)"
+            f"the finite-element model needs dolfinx with PETSc and SLEPc ({error}): run "
+            "scripts/bilayer of the checkout, or install them (on Debian 13 and later: apt install "
+            "python3-dolfinx python3-slepc4py)"
         ) from error
     from fenics_model.release.opening import open_solid_path
 

@@ -10,7 +10,7 @@ from bilayer.errors import InputError
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
 from bilayer.results.records import comparison_record
-from bilayer.runtime.terminal import say, say_json
+from bilayer.runtime.terminal import say, say_json, tell
 from bilayer.specimen.units import in_si
 
 
@@ -45,6 +45,7 @@ def run(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import check_figure_output
 
     check_output(options, check_figure_output)
+    _check_order(options)
     if options.profile:
         return _compare_profile(options)
     if Path(options.other).suffix.lower() != ".nc":
@@ -65,6 +66,16 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _check_order(options: argparse.Namespace) -> None:
+    from bilayer.scan.cloud import MESHES, TABLES
+
+    first, second = (Path(path).suffix.lower() for path in (options.result, options.other))
+    if second == ".nc" and first != ".nc" and first in (*MESHES, *TABLES):
+        raise InputError(
+            f"{options.result} {options.other}: expected the result first, then the scan"
+        )
+
+
 def _compare_profile(options: argparse.Namespace) -> int:
     from bilayer.scan.profile import compare_profile, profile_table, read_profile
 
@@ -80,11 +91,20 @@ def _compare_scan(options: argparse.Namespace) -> int:
     from bilayer.figures.saving import save_figure  # matplotlib takes half a second
     from bilayer.figures.scan import draw_scan
     from bilayer.scan.cloud import read_cloud
-    from bilayer.scan.comparison import best_match, compare_scan, scan_record, scan_table
+    from bilayer.scan.comparison import (
+        best_match,
+        compare_scan,
+        scan_record,
+        scan_table,
+        size_doubt,
+    )
     from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
 
     unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
     result, cloud = open_result(options.result), read_cloud(options.other, unit)
+    doubt = size_doubt(result, cloud)
+    if doubt:
+        tell(f"bilayer: warning: {doubt}")
     matches = compare_scan(result, cloud)
     best = matches[best_match(matches)]
     record: dict[str, Any] = scan_record(matches)

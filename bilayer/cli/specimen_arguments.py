@@ -83,5 +83,7 @@ def milestone_argument(word: str) -> Any:
     try:
         numbers = tuple(float(part) for part in word.split(","))
     except ValueError:
-        raise InputError(f"--prestretch {word}: expected a number, or two as LX,LY") from None
+        raise InputError(
+            f"--prestretch {word}: expected a number, or two as LX,LY (1.06 is 6 %)"
+        ) from None
     return numbers[0] if len(numbers) == 1 else numbers

@@ -26,7 +26,8 @@ def check_obstacles_are_seen(specimen: Specimen, contact: str) -> None:
     if contact != "barrier":
         name = specimen.obstacles[0].name
         raise InputError(
-            f"solver.contact = {contact!r}: expected 'barrier', for [obstacles.{name}]"
+            f"solver.contact = {contact!r}: expected 'barrier', for [obstacles.{name}] "
+            "(--set solver.contact=barrier)"
         )
     require_contact()
 

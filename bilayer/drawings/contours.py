@@ -82,7 +82,10 @@ def _joined(lines: list[Points], joint: float) -> list[Points]:
         worst = int(np.flatnonzero(count != 2)[0])
         where = place(ends[node == worst][0])
         if count[worst] == 1:
-            raise InputError(f"open contour: it ends at {where}, expected closed ones")
+            raise InputError(
+                f"open contour: it ends at {where}, expected closed ones, a slit with both of its "
+                "sides"
+            )
         raise InputError(
             f"{count[worst]} lines meet at {where}, expected contours apart from each other"
         )

@@ -60,8 +60,13 @@ class Measurement:
                 f"{self.name}: has {len(self.stretch)} stretches and {len(self.stress)} stresses"
             )
         values = np.concatenate([self.stretch, self.stress])
-        if not np.isfinite(values).all() or not (self.stretch > 0).all():
-            raise InputError(f"{self.name}: expected finite numbers, stretches above 0")
+        if not np.isfinite(values).all():
+            raise InputError(f"{self.name}: expected finite numbers")
+        if not (self.stretch > 0).all():
+            raise InputError(
+                f"{self.name}: stretch = {self.stretch.min():g}: expected above 0; a column of "
+                "strains has 'strain' or '%' in its name"
+            )
 
     def up_to(self, largest: float) -> "Measurement":
         """Return the part of it up to a stretch."""
@@ -111,8 +116,11 @@ def read_measurement(
     )
     stress_name = chosen_column(source, names, stress_column, STRESS_WORDS, "stress")
     stretch = table[:, names.index(stretch_name)]
+    in_percent = re.search(r"%|percent", stretch_name) is not None
     if _matches(stretch_name, STRAIN_WORDS):
-        stretch = 1 + stretch / (100 if re.search(r"%|percent", stretch_name) else 1)
+        stretch = 1 + stretch / (100 if in_percent else 1)
+    elif in_percent and not _matches(stretch_name, STRETCH_WORDS):
+        stretch = 1 + stretch / 100  # a strain in another language
     stress = table[:, names.index(stress_name)] * unit_of_stress(stress_name)
     if _matches(stress_name, TRUE_WORDS):
         stress = stress / stretch  # the volume is kept: the area shrinks by the stretch

@@ -235,7 +235,7 @@ def _check_beginning(descriptor: int, size: int) -> None:
     while begin[:8] != HDF5:  # it may stand behind a block of the user's
         place = max(512, 2 * place)
         if place >= size:
-            raise ValueError("is no NetCDF file")
+            raise ValueError("is no NetCDF file, as `bilayer solve` writes")
         begin = _bytes_at(descriptor, place)
     end = _stated_end(begin)
     if end is not None and size < end:

@@ -1,4 +1,7 @@
-"""The shapes of a result that can be shown, each in its body frame, the upper side up."""
+"""The shapes of a result that can be shown, each in its body frame, the upper side up.
+
+What is held by supports, or lies on obstacles, is shown where it is.
+"""
 
 from dataclasses import dataclass
 
@@ -11,8 +14,8 @@ from bilayer.measures.body_frame import upright_frame
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.caveats import caveats
 from bilayer.results.comparison import result_label
-from bilayer.results.schema import TIMES_FOUND
-from bilayer.results.table import shape_title
+from bilayer.results.schema import TIMES_FOUND, result_specimen
+from bilayer.results.table import load_titles, shape_title
 
 MM_PER_M = 1e3
 
@@ -24,11 +27,12 @@ class Shape:
     Parameters
     ----------
     title : str
-        Its prestretch; of the states of a search their number and energy.
+        Its prestretch, or the load or time that differs; of the states of a search their
+        number and energy.
     note : str
         What to know of it, such as where the path stopped; "" for nothing.
     surface : Surface
-        In the body frame with the sheet's upper side up, mm.
+        In the body frame with the sheet's upper side up, mm; held shapes where they are.
     milestone : int
         Its place in the result.
     """
@@ -63,6 +67,9 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
     InputError
         There is none.
     """
+    loads = load_titles(result)
+    specimen = result_specimen(result)
+    held = bool(specimen.supports or specimen.obstacles)
     shapes = []
     for k, note in enumerate(caveats(result)):
         milestone = result.isel(prestretch=k)
@@ -71,8 +78,9 @@ def released_shapes(result: xr.Dataset, mesh: PlanarMesh) -> list[Shape]:
             position = milestone["last_position"].values
             note = f"stopped at {float(milestone['last_prestretch']):.4g}"
         if np.isfinite(position).all():
-            upright = MM_PER_M * upright_frame(mesh, position).coordinates(position)
-            title = _state_title(k, milestone) or shape_title(milestone)
+            placed = position if held else upright_frame(mesh, position).coordinates(position)
+            upright = MM_PER_M * placed
+            title = _state_title(k, milestone) or shape_title(milestone) + loads[k]
             shapes.append(Shape(title, note, Surface(upright, mesh.triangles), k))
     if not shapes:
         raise InputError(f"the result of {result_label(result)} holds no shape to draw")

@@ -33,6 +33,18 @@ def shape_title(milestone: xr.Dataset) -> str:
     return f"{title}, {float(milestone['time']):g} s" if "time" in milestone.variables else title
 
 
+def load_titles(result: xr.Dataset) -> list[str]:
+    """Return the loads that differ between milestones, at each: ", tip -0.002 N", or ""."""
+    titles = [""] * result.sizes["prestretch"]
+    for name, load in result.coords.items():
+        values = np.atleast_1d(load.values)
+        if str(name).startswith("load_") and len(set(cells(values, "{:.17g}"))) > 1:
+            words = [FREE if np.isnan(v) else f"{v:.4g} {load.attrs['units']}" for v in values]
+            title = f", {str(name).removeprefix('load_')} "
+            titles = [f"{t}{title}{word}" for t, word in zip(titles, words, strict=True)]
+    return titles
+
+
 def milestone_text(specimen: Specimen, milestone: Milestone) -> str:
     """Return a milestone in a few words: "1.06, blow 120 Pa"."""
     return ", ".join([stretch_text(stretch_of(milestone)), *load_words(specimen, milestone)])

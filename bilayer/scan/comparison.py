@@ -143,6 +143,31 @@ def match_near(result: xr.Dataset, scan: Cloud, motion: Motion) -> ScanMatch:
     return _laid(shape.title, surface, scan.points, refined(motion, scan.points, surface))
 
 
+def size_doubt(result: xr.Dataset, scan: Cloud) -> str:
+    """Return a line if a scan is far larger or smaller than all shapes of a result, or "".
+
+    A tiny scan lies near any surface, so its distances say nothing.
+    """
+    reached = along_milestones(result)
+    shapes = released_shapes(reached, result_mesh(reached))
+    sizes = [_diagonal(_in_metres(shape.surface).points) for shape in shapes]
+    scanned = _diagonal(scan.points)
+    if min(sizes) / SAME_SIZE <= scanned <= SAME_SIZE * max(sizes):
+        return ""
+    return (
+        f"scan {scan.name}: {1e3 * scanned:.3g} mm from corner to corner, the shapes "
+        f"{1e3 * min(sizes):.3g} to {1e3 * max(sizes):.3g} mm: is --unit right?"
+    )
+
+
+SAME_SIZE = 4.0
+"""Ratio of two sizes from which on a unit is in doubt; an inch is 25.4 mm."""
+
+
+def _diagonal(points: Array) -> float:
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
 def best_match(matches: list[ScanMatch]) -> int:
     """Return the place of the milestone that fits best."""
     return min(range(len(matches)), key=lambda place: matches[place].cost)

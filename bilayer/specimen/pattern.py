@@ -114,7 +114,8 @@ class CutPattern(Pattern):
         if self.cutout_angle >= widest:
             raise InputError(
                 f"cutout_angle = {self.cutout_angle} rad: {self.strips} cutouts need less "
-                f"than 2*pi/{self.strips} = {widest:.4g} rad each, or they overlap"
+                f"than 2*pi/{self.strips} = {widest:.4g} rad each, or they overlap "
+                "(degrees as '20 deg')"
             )
 
     @property

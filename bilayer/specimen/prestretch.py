@@ -92,6 +92,6 @@ def _stretch(field: str, value: Any) -> float:
     if not SMALLEST_STRETCH <= number <= LARGEST_STRETCH:
         raise InputError(
             f"{field} = {shown(value)}: expected stretches from {SMALLEST_STRETCH:g} to "
-            f"{LARGEST_STRETCH:g}"
+            f"{LARGEST_STRETCH:g} (1.06 is 6 %)"
         )
     return number

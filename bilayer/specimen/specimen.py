@@ -142,7 +142,10 @@ class Specimen:
                 with fields_of(f"layers.{layer.name}.pattern"):
                     layer.pattern.check_fit(self.outline)
         if self.mesh.size > self.characteristic_length:
-            raise InputError(f"mesh.size = {self.mesh.size} m: expected at most {self.length_text}")
+            raise InputError(
+                f"mesh.size = {self.mesh.size} m: expected at most {self.length_text} (a bare "
+                "number is in m, millimetres as '8 mm')"
+            )
         for layer in self.layers:
             for milestone in self.prestretch.milestones:
                 layer.response.axial(milestone)

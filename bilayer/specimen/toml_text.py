@@ -44,9 +44,23 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{source}: {_TOO_DEEP}") from None
     except ValueError as error:  # not TOML, or a number that Python does not take
-        raise InputError(f"{source}: not a valid TOML file ({error})") from error
+        hint = _hint(text, str(error))
+        raise InputError(f"{source}: not a valid TOML file ({error}){hint}") from error
     _check_depth(tables, source)
     return tables
+
+
+def _hint(text: str, error: str) -> str:
+    """Return what to do about a frequent slip in the line that an error names, or ""."""
+    found = re.search(r"at line (\d{1,9})", error)
+    lines = text.split("\n")
+    line = lines[int(found[1]) - 1][:200] if found and int(found[1]) <= len(lines) else ""
+    if re.match(r"[^=#]*=\s*[-+]?\d+,\d", line):
+        return ", expected a decimal point, not a comma"
+    unquoted = re.match(r"[^=#]*=\s*([-+]?[\d.]+ ?[A-Za-z%][\w/^]*)", line)
+    if unquoted:
+        return f', expected quotes around a value with a unit: "{unquoted[1]}"'
+    return ""
 
 
 _EXPECTED = f"expected at most {DEEPEST} tables and lists within each other"

@@ -75,6 +75,7 @@ def _converted(field: str, text: str, unit: str) -> float:
     kind, example = _KINDS.get(unit, ("a quantity", f"1.5 {unit}"))
     wrong = InputError(
         f"{field} = {text!r}: expected {kind}, a number in {unit} or a text such as {example!r}"
+        f"{_comma_hint(text)}"
     )
     parts = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)\s*", text)
     if parts is None or not _is_plain_unit(parts[2]):
@@ -91,6 +92,11 @@ def _converted(field: str, text: str, unit: str) -> float:
     if (unit == "rad") != is_angle:  # pint takes a per cent for an angle, too
         raise wrong
     return converted
+
+
+def _comma_hint(text: str) -> str:
+    """Return what to do about a decimal comma, "" where there is none."""
+    return ", with a decimal point" if re.match(r"\s*[-+]?\d+,\d", text) else ""
 
 
 def _is_plain_unit(text: str) -> bool:

@@ -30,6 +30,7 @@ from bilayer.figures.style import (
     print_style,
 )
 from bilayer.results.caveats import is_unstable, touches_itself
+from bilayer.specimen.units import in_si
 from bilayer.validation import finite, nearest, one_of
 
 LABELS = {"quality": QUALITY_LABEL, "prestretch": PRESTRETCH_LABEL}
@@ -245,9 +246,21 @@ def study_table(
         table = table[_is_value(table[name], name, value)]
     table = table[table["converged"].notna()]
     _check_single(table, x, hue, [name for name in names if name in table])
-    shown = table.assign(**{x: _scaled(table[x], _field_unit(x))})
+    shown = table.assign(**{x: _scaled(_in_si(table[x], x), _field_unit(x))})
     shown[y] = _scaled(table[y], study[y].attrs.get("units", "1"))
     return shown.sort_values(x)
+
+
+def _in_si(column: pd.Series, name: str) -> pd.Series:
+    """Return the values of a field as numbers where it has a unit: "10 deg" is 0.1745."""
+    unit = _field_unit(name)
+    texts = [isinstance(value, str) for value in column]
+    if unit == "1" or not any(texts):
+        return column
+    numbers = in_si(
+        "study", {name: list(column)}, {name: unit.replace("³", "^3").replace("²", "^2")}
+    )
+    return pd.Series(numbers[name], index=column.index, dtype=float)
 
 
 def _with_gaps(line: pd.DataFrame, x: str, y: str) -> tuple[Any, Any]:

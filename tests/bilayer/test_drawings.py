@@ -264,7 +264,10 @@ def test_a_unit_that_the_file_does_not_say_is_asked_for(tmp_path: Path, size: st
 
 
 BAD = {
-    "open": ("M 10,20 L 30,20 L 30,30", r"open contour: it ends at \(10, 20\) mm"),
+    "open": (
+        "M 10,20 L 30,20 L 30,30",
+        r"open contour: it ends at \(10, 20\) mm.*a slit with both of its sides",
+    ),
     "crossing itself": (
         "M 10,10 L 20,20 L 20,10 L 10,20 Z",
         r"a contour crosses itself at \(15, 15\) mm",

@@ -128,6 +128,12 @@ def test_tables_of_testing_machines(tmp_path, text, stretch, stress):
     np.testing.assert_allclose(read.stress, stress)
 
 
+def test_a_named_column_of_per_cents_is_a_strain(tmp_path):
+    (tmp_path / "test.csv").write_text("Dehnung [%];Spannung [kPa]\n0,0;0\n50,0;20\n")
+    names = {"stretch_column": "Dehnung [%]", "stress_column": "Spannung [kPa]"}
+    np.testing.assert_allclose(read_measurement(tmp_path / "test.csv", **names).stretch, [1, 1.5])
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -137,7 +143,7 @@ def test_tables_of_testing_machines(tmp_path, text, stretch, stress):
         ("stretch,stress 1,stress 2\n1,2,3\n", "stress 1 and stress 2 may both be the stress"),
         ("stretch,stress\n1,two\n", r"line 1 of numbers = .*expected 2 numbers"),
         ("stretch,stress\n1,2,3\n", "expected 2 numbers"),
-        ("stretch,stress\n-1,2\n", "stretches above 0"),
+        ("stretch,stress\n-1,2\n", "stretch = -1: expected above 0; a column of strains"),
         ("stretch,stress\n1,nan\n", "finite numbers"),
     ],
 )

@@ -12,7 +12,7 @@ from bilayer.cli.main import main
 from bilayer.errors import InputError
 from bilayer.geometry.surface import Surface
 from bilayer.scan.cloud import Cloud, read_cloud
-from bilayer.scan.comparison import best_match, compare_scan, scan_table
+from bilayer.scan.comparison import best_match, compare_scan, scan_table, size_doubt
 from bilayer.scan.placing import placed
 from bilayer.scan.samples import even_samples
 
@@ -130,6 +130,14 @@ def test_the_verb(tmp_path, capsys, result):
     assert (tmp_path / "map.png").stat().st_size > 20_000
     assert main([*words, "--unit", "kg"]) == 2
     assert "--unit" in capsys.readouterr().err
+    assert main(["compare", words[2], words[1]]) == 2
+    assert "expected the result first, then the scan" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("unit", "doubtful"), [(1e-3, True), (1.0, False), (25.4, True)])
+def test_a_scan_in_another_unit_is_doubted(result, unit, doubtful):
+    scan = Cloud("part.stl", unit * surface_of(result, 1).points)
+    assert ("is --unit right" in size_doubt(result, scan)) is doubtful
 
 
 def test_the_table_marks_the_best(result):

@@ -145,6 +145,7 @@ def test_constants_may_be_given_directly():
         ("gravity.acceleration=-9.81", "gravity.acceleration = -9.81 m/s2"),
         ("mesh.size=0", "mesh.size = 0 m"),
         ("mesh.size=0.05", "mesh.size = 0.05 m: expected at most specimen.outer_radius"),
+        ("mesh.size='1,5 mm'", r"expected a length, .*'40 mm', with a decimal point"),
         ("mesh.corner_size=0.005", "mesh.corner_size = 0.005 m: expected at most mesh.size"),
         ("mesh", "override 'mesh': expected table.key=value"),
     ],
@@ -158,6 +159,8 @@ def test_bad_values_are_named(override, message):
     ("text", "message"),
     [
         ("[specimen", "not a valid TOML file"),
+        ("[cut]\nx = 0,3", r"line 2, .*expected a decimal point, not a comma"),
+        ("x = 1 mm", r'expected quotes around a value with a unit: "1 mm"'),
         ("", "specimen.outer_radius: missing"),
         ("cut = 3", r"cut = 3: expected a table \[cut\]"),
         ("[substrat]\nthickness = 1.0", r"\[substrat\]: unknown table, .*mean 'substrate'"),

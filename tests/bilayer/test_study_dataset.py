@@ -205,6 +205,12 @@ def test_lengths_are_drawn_in_millimetres(made_study):
     assert axes.get_title() == "λ = 1.06"
 
 
+def test_values_with_units_are_drawn_as_numbers(made_study):
+    study = open_study(made_study(HEAD + '[vary]\n"cut.cutout_angle" = ["5 deg", "20 deg"]\n'))
+    table = study_table(study, "cut.cutout_angle", "height", None, {"prestretch": 1.06})
+    np.testing.assert_allclose(table["cut.cutout_angle"], np.radians([5, 20]))
+
+
 def test_the_command_draws_a_study(made_study, tmp_path, capsys):
     path = str(made_study(GRID))
     words = ["plot-study", path, "--x", "cut.cutout_angle", "-o", str(tmp_path / "f.png")]

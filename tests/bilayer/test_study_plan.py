@@ -113,7 +113,8 @@ def test_a_case_that_is_not_valid_is_named_before_anything_runs(plan):
         plan(HEAD + '[vary]\n"cut.strips" = [5, 9]\n"cut.cutout_angle" = [0.3, 0.7, 0.71]')
     assert str(bad.value) == (
         "case 5 (cut.strips = 9, cut.cutout_angle = 0.7): cut.cutout_angle = 0.7 rad: 9 cutouts "
-        "need less than 2*pi/9 = 0.6981 rad each, or they overlap (and 1 more such cases)"
+        "need less than 2*pi/9 = 0.6981 rad each, or they overlap "
+        "(degrees as '20 deg') (and 1 more such cases)"
     )
 
 

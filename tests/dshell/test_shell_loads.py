@@ -23,6 +23,8 @@ from bilayer import (
     parse_specimen,
     solve,
 )
+from bilayer.results.released_shapes import released_shapes
+from bilayer.results.schema import result_mesh
 from dshell import HingeSettings, PaperSettings
 from dshell.energies.grips import Grips
 from dshell.energies.morley_faces import MorleyFaces
@@ -182,3 +184,23 @@ def test_models_that_know_no_supports_say_so():
         solve(plate, "dshell", HingeSettings())
     with pytest.raises(InputError, match="the paper's model has no supports"):
         solve(plate, "dshell", PaperSettings(), mesh=generate_mesh(plate))
+
+
+def test_a_held_shape_is_shown_where_it_is_held_under_its_load():
+    specimen = parse_specimen(
+        """
+        specimen.name = "cantilever"
+        specimen.outline = { shape = "rectangle", width = "60 mm", height = "20 mm" }
+        layers = [{ name = "sheet", thickness = "1 mm", material = "soft" }]
+        materials.soft = { young_modulus = "1 MPa", poisson_ratio = 0.49 }
+        supports.left = { kind = "clamped", where = { on = "rim", x = "<= -29 mm" } }
+        loads.tip = { where = { on = "rim", x = ">= 29 mm" }, force = ["0 N", "-0.5 mN"] }
+        mesh = { size = "8 mm" }
+        """
+    )
+    result = solve(specimen, "dshell")
+    flat, loaded = released_shapes(result, result_mesh(result))
+    assert (flat.title, loaded.title) == ("λ = 1, tip 0 N", "λ = 1, tip -0.0005 N")
+    x, _, z = loaded.surface.points.T
+    np.testing.assert_allclose(z[x < -29], 0, atol=1e-6)
+    assert z.min() == pytest.approx(1e3 * float(result["response_tip"][1]), rel=0.05)
