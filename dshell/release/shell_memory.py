@@ -99,10 +99,12 @@ class ShellMemory:
                 saved[f"inner.{number}.{name}"] = history.inner
         return saved
 
-    def restore(self, saved: Mapping[str, Array], blocks: Sequence[MorleyFaces]) -> None:
-        """Be as it was saved, for the same faces; InputError if something is missing."""
+    def restore(
+        self, saved: Mapping[str, Array], blocks: Sequence[MorleyFaces], flat: Array
+    ) -> None:
+        """Be as it was saved, for the same faces; InputError if it is not what they remember."""
         try:
-            self._histories = [
+            histories = [
                 {
                     layer.name: History(
                         layer.relaxation,
@@ -119,6 +121,15 @@ class ShellMemory:
             raise InputError(
                 f"resume: {error} is missing, expected what layers remember"
             ) from error
+        for own, held in zip(histories, self._held(blocks, flat), strict=True):
+            for name, history in own.items():
+                found, expected = history.inner.shape, held[name].inner.shape
+                if found != expected or history.stress.shape != expected[1:]:
+                    raise InputError(
+                        f"resume: the memory of {name} has the shape {found}, expected {expected}; "
+                        "a run of an earlier version cannot be resumed in time"
+                    )
+        self._histories = histories
 
 
 def _stresses(

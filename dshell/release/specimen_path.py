@@ -285,7 +285,7 @@ class ShellPath:
         memory, schedule = self._shell.memory, self._shell.specimen.schedule
         if memory is not None and schedule is not None:
             blocks: Any = self._shell.model.energies(stretch_of(milestone))
-            memory.restore(saved, blocks)
+            memory.restore(saved, blocks, self._shell.flat(milestone))
             self._visited = schedule.passed(memory.time)
 
     def restore_neighbour(

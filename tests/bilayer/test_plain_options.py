@@ -85,7 +85,8 @@ def test_a_result_that_brings_code_is_not_run_again(text, tmp_path, capsys):
     write_result(result_with(text), file)
     assert main(["rerun", str(file)]) == 2
     error = capsys.readouterr().err
-    assert error.startswith("bilayer: error: solver.petsc_options: '-bilayer_")
+    assert error.startswith("bilayer: error: result file ")
+    assert ": solver.petsc_options: '-bilayer_" in error
     assert error.count("\n") == 1
     assert main(["info", str(file)]) == 0
     told = capsys.readouterr().out

@@ -14,6 +14,7 @@ from bilayer.results.table import shape_title
 from bilayer.specimen.relaxation import PronySeries
 from bilayer.specimen.schedule import Schedule
 from bilayer.specimen.toml import parse_specimen, specimen_to_toml
+from dshell.release.shell_memory import ShellMemory
 
 SERIES = PronySeries(((0.4, 0.5), (0.3, 20.0)))
 R = 0.04
@@ -118,7 +119,7 @@ def test_steps_of_time_converge_and_take_few_iterations(sheet, mesh):
     assert iterations[1] / steps[1] <= 1.3 * iterations[0]
 
 
-def test_an_interrupted_run_goes_on_with_its_memory(sheet, mesh, tmp_path):
+def test_an_interrupted_run_goes_on_with_its_memory(sheet, mesh, tmp_path, monkeypatch):
     timed = relaxing(sheet, (0.0, 1.0, 10.0), hold=2.0, layers=("substrate",), steps_per_decade=3)
     whole = bilayer.solve(timed, "dshell", mesh=mesh)
     file = tmp_path / "run.nc"
@@ -131,6 +132,21 @@ def test_an_interrupted_run_goes_on_with_its_memory(sheet, mesh, tmp_path):
         bilayer.solve(timed, "dshell", mesh=mesh, observers=[stop], output=file)
     resumed = bilayer.solve(timed, "dshell", mesh=mesh, resume=file)
     assert np.array_equal(resumed["position"].values, whole["position"].values)
+    other = tmp_path / "earlier.nc"
+    with monkeypatch.context() as patched:  # an earlier version remembered other numbers
+        save = ShellMemory.save
+        patched.setattr(
+            ShellMemory,
+            "save",
+            lambda memory: {
+                name: values[..., :1] if values.ndim else values
+                for name, values in save(memory).items()
+            },
+        )
+        with pytest.raises(KeyboardInterrupt):
+            bilayer.solve(timed, "dshell", mesh=mesh, observers=[stop], output=other)
+    with pytest.raises(InputError, match="the memory of substrate has the shape"):
+        bilayer.solve(timed, "dshell", mesh=mesh, resume=other)
 
 
 def test_a_file_keeps_the_schedule_and_results_are_computed_again(sheet, mesh, tmp_path):
