@@ -39,9 +39,22 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--no-bounds", action="store_true", help="let the constants leave the range of stable laws"
     )
-    verb.add_argument("--poisson-ratio", type=float, default=0.5, metavar="NU", help="gives d1")
-    verb.add_argument("--stretch-column", metavar="NAME", help="where its name does not say it")
-    verb.add_argument("--stress-column", metavar="NAME", help="where its name does not say it")
+    verb.add_argument(
+        "--poisson-ratio",
+        type=float,
+        default=0.5,
+        metavar="NU",
+        help="gives d1 (default: 0.5, incompressible)",
+    )
+    verb.add_argument(
+        "--stretch-column", metavar="NAME",
+        help="the column of stretches or strains, if no name of a column has such a word; with %% "
+        "in its name it is a strain in per cent",
+    )  # fmt: skip
+    verb.add_argument(
+        "--stress-column", metavar="NAME",
+        help="the column of nominal stresses, its unit at the end, as in 'sigma (kPa)'",
+    )  # fmt: skip
     verb.add_argument("--name", default="fitted", help="of the material in the printed table")
     verb.add_argument(
         "--relaxation", metavar="FILE.csv",

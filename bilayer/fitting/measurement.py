@@ -156,7 +156,10 @@ def _numbers(path: Path, line: int, row: list[str], count: int, separator: str) 
     except ValueError:
         numbers = []
     if len(numbers) != count:
-        raise InputError(f"{path}: line {line} of numbers = {row}: expected {count} numbers")
+        raise InputError(
+            f"{path}: line {line} of numbers = {row}: expected {count} numbers, below one line of "
+            "names"
+        )
     return numbers
 
 

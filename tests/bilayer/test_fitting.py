@@ -143,6 +143,7 @@ def test_a_named_column_of_per_cents_is_a_strain(tmp_path):
         ("stretch,stress 1,stress 2\n1,2,3\n", "stress 1 and stress 2 may both be the stress"),
         ("stretch,stress\n1,two\n", r"line 1 of numbers = .*expected 2 numbers"),
         ("stretch,stress\n1,2,3\n", "expected 2 numbers"),
+        ("Results\nstretch,stress\n1,2\n", "expected 1 numbers, below one line of names"),
         ("stretch,stress\n-1,2\n", "stretch = -1: expected above 0; a column of strains"),
         ("stretch,stress\n1,nan\n", "finite numbers"),
     ],
