@@ -13,7 +13,7 @@ from bilayer.cli.specimen_arguments import (
     read_specimen_argument,
 )
 from bilayer.results.files import check_result_output, write_result
-from bilayer.results.report import law_warnings, result_table
+from bilayer.results.report import result_table, table_warnings
 from bilayer.runtime.terminal import say, tell
 
 
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     result = import_calculix(options.frd, specimen, read_mesh_argument(options, specimen))
     write_result(result, options.output)
     if not options.quiet:
-        say("\n".join([result_table(result), *law_warnings(result)]))
+        say("\n".join([result_table(result), *table_warnings(result)]))
     if bool(result["converged"].all()):
         return 0
     tell(f"bilayer: stopped early: {result.attrs['stop_reason']}")

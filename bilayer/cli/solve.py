@@ -20,7 +20,7 @@ from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.results.records import comparison_record, result_record
-from bilayer.results.report import describe_lower_states, law_warnings, result_table
+from bilayer.results.report import describe_lower_states, result_table, table_warnings
 from bilayer.results.schema import NOT_MEASURED
 from bilayer.runtime.output_file import remove_leftovers
 from bilayer.runtime.progress import progress_bar
@@ -235,7 +235,7 @@ def _show(results: Sequence[xr.Dataset], options: argparse.Namespace) -> None:
         from bilayer.results.comparison import compare, comparison_table
 
         for result in results:
-            say("\n".join([result_table(result), *law_warnings(result)]))
+            say("\n".join([result_table(result), *table_warnings(result)]))
         if len(results) == 2:
             say(f"\n{comparison_table(compare(*results))}")
 

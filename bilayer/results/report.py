@@ -162,9 +162,7 @@ def trust_sentences(result: xr.Dataset) -> list[str]:
         *describe_lower_states(result),
         _describe_contact(result),
         *(f"Doubtful: {doubt}." for doubt in doubts(result_specimen(result))),
-        *thickness_warnings(result),
-        *mesh_warnings(result),
-        *law_warnings(result),
+        *table_warnings(result),
         *missing,
     ]
 
@@ -262,6 +260,11 @@ def thickness_warnings(result: xr.Dataset) -> list[str]:
         f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
         f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
     ]
+
+
+def table_warnings(result: xr.Dataset) -> list[str]:
+    """Return what has to be said under a table of shapes: beyond a law, a mesh, or a shell."""
+    return [*thickness_warnings(result), *mesh_warnings(result), *law_warnings(result)]
 
 
 def mesh_warnings(result: xr.Dataset) -> list[str]:

@@ -192,3 +192,9 @@ def test_a_flat_sheet_has_no_radius(folder, capsys):
     write_result(cap_result(specimen), folder / "flat.nc")
     assert main(["info", "flat.nc"]) == 0
     assert " flat " in capsys.readouterr().out
+
+
+def test_a_mesh_that_is_too_coarse_is_said_under_the_table(folder, capsys):
+    words = ["solve", "dome.toml", "--mesh-size", "0.03", "--prestretch", "1.15"]
+    assert main([*words, "-o", "coarse.nc"]) == 0
+    assert "The mesh is TOO COARSE FOR THE CURVATURE at 1.15" in capsys.readouterr().out
