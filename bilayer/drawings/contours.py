@@ -83,8 +83,8 @@ def _joined(lines: list[Points], joint: float) -> list[Points]:
         where = place(ends[node == worst][0])
         if count[worst] == 1:
             raise InputError(
-                f"open contour: it ends at {where}, expected closed ones, a slit with both of its "
-                "sides"
+                f"open contour: it ends at {where}, expected closed ones, or slit = the width of "
+                "lines that are cut"
             )
         raise InputError(
             f"{count[worst]} lines meet at {where}, expected contours apart from each other"

@@ -9,6 +9,7 @@ import numpy as np
 from bilayer.drawings.contours import closed_contours
 from bilayer.drawings.dxf import DxfDocument
 from bilayer.drawings.lines import Document, Line, Points
+from bilayer.drawings.slits import with_slits, without_slits
 from bilayer.drawings.svg import SvgDocument
 from bilayer.errors import InputError
 from bilayer.validation import nearest
@@ -39,6 +40,8 @@ class DrawingSource:
     origin : {"drawing", "centre"} or (float, float)
         The point of the drawing that becomes the origin: its own, the centre of the smallest
         rectangle around all that is drawn, or one in m, y upwards.
+    slit : float or None
+        Lines that close no contour are slits of this width, m; None: they are refused.
     """
 
     path: Path
@@ -48,6 +51,7 @@ class DrawingSource:
     tolerance: float = 1e-7
     joint: float = 1e-5
     origin: str | tuple[float, float] = "drawing"
+    slit: float | None = None
 
     def contours(self) -> list[Points]:
         """Return the closed contours, y upwards, m, each of shape (k, 2).
@@ -67,7 +71,7 @@ class DrawingSource:
         lines = document.lines(self.tolerance / unit)
         chosen = self._in_metres(self._chosen(lines), unit)
         try:
-            rings = closed_contours(chosen, self.joint)
+            rings = self._bounding(chosen)
         except InputError as error:
             raise InputError(f"drawing = {self.path.name!r}: {error}") from error
         if not rings:
@@ -75,6 +79,13 @@ class DrawingSource:
         origin = self._origin(document, lines, unit)
         upright = [document.upright(np.asarray(ring / unit, dtype=np.float64)) for ring in rings]
         return [unit * ring - origin for ring in upright]
+
+    def _bounding(self, lines: Sequence[Line]) -> list[Points]:
+        if self.slit is None:
+            return closed_contours(lines, self.joint)
+        closing, slits = without_slits(lines, self.joint)
+        rings = closed_contours(closing, self.joint)
+        return with_slits(rings, slits, self.slit) if slits else rings
 
     def _opened(self) -> Document:
         ending = self.path.suffix.lower()

@@ -38,7 +38,7 @@ PATTERN_KEYS = {
 }
 OUTLINE_KEYS = {"drawing": ("drawing", *DRAWING, "dpi", "kerf"), "image": ("image", *IMAGE)}
 LENGTHS = dict.fromkeys(
-    ("unit", "tolerance", "joint", "origin", "kerf", "width", "smoothing"), "m"
+    ("unit", "tolerance", "joint", "slit", "origin", "kerf", "width", "smoothing"), "m"
 ) | {"least_area": "m^2"}
 
 
@@ -124,7 +124,7 @@ def _path(kind: str, given: Any, folder: Path | None) -> Path:
 def _drawn(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, str]:
     chosen: dict[str, Any] = {k: text(k, table[k]) for k in ("layer", "colour") if k in table}
     lengths = in_si(
-        "drawing", {k: v for k, v in table.items() if k in ("tolerance", "joint")}, LENGTHS
+        "drawing", {k: v for k, v in table.items() if k in ("tolerance", "joint", "slit")}, LENGTHS
     )
     lengths = {key: positive(key, value, "m") for key, value in lengths.items()}
     source = DrawingSource(path, **chosen, **lengths, unit=_unit(table), origin=_origin(table))

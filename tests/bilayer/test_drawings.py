@@ -266,7 +266,7 @@ def test_a_unit_that_the_file_does_not_say_is_asked_for(tmp_path: Path, size: st
 BAD = {
     "open": (
         "M 10,20 L 30,20 L 30,30",
-        r"open contour: it ends at \(10, 20\) mm.*a slit with both of its sides",
+        r"open contour: it ends at \(10, 20\) mm.*or slit = the width",
     ),
     "crossing itself": (
         "M 10,10 L 20,20 L 20,10 L 10,20 Z",
@@ -305,6 +305,28 @@ PETALS = (
 )
 
 
+def test_lines_that_close_nothing_are_slits_where_they_have_a_width(tmp_path: Path) -> None:
+    star = "M 10,50 L 90,50 M 50,10 L 50,90"  # two slits that cross
+    corner = "M 10,10 h 20 v 10"
+    square = "M 60,60 h 10 v 10 h -10 z M 65,65 h 20"  # a slit that leaves a hole
+    joined = "M 20,70 h 10 M 30,70 v 10 M 30,80 L 20,70"  # three lines that close a contour
+    data = " ".join((star, corner, square, joined))
+    path = svg(tmp_path / "slits.svg", f'<path d="{data}" stroke="red" fill="none"/>')
+    region = even_odd(DrawingSource(path, slit=1 * MM).contours())
+    expected = (80 + 80 - 1) + (20 + 10) + (100 + 15) + 50
+    assert region.area / MM**2 == pytest.approx(expected, abs=1e-6)
+    with pytest.raises(InputError, match="open contour"):
+        DrawingSource(path).contours()
+
+
+def test_a_slit_is_cut_into_the_sheet(tmp_path: Path) -> None:
+    svg(tmp_path / "s.svg", '<path d="M 50,40 h 15" stroke="red" fill="none"/>')
+    pattern = '{ drawing = "s.svg", origin = ["50 mm", "-40 mm"], slit = "1 mm" }'
+    specimen = bilayer.read_specimen(drawn_sheet(tmp_path, pattern))
+    whole, kept = specimen.outline.polygon.area, specimen.region_of("kirigami").area
+    assert (whole - kept) / MM**2 == pytest.approx(15, rel=1e-6)
+
+
 def test_a_specimen_holds_its_drawings(tmp_path: Path) -> None:
     svg(tmp_path / "petals.svg", PETALS, 'width="80mm" height="80mm" viewBox="0 0 80 80"')
     pattern = '{ drawing = "petals.svg", layer = "cut", origin = ["40 mm", "-40 mm"] }'
@@ -339,6 +361,7 @@ def test_a_cut_outside_of_the_sheet_is_told_with_its_place(tmp_path: Path) -> No
         ('{ drawing = "petals.svg", unit = "mm", dpi = 72 }', "dpi: not together with unit"),
         ('{ drawing = "petals.svg", origin = "top" }', "origin = 'top'"),
         ('{ drawing = "petals.svg", kerf = -1 }', "kerf = -1"),
+        ('{ drawing = "petals.svg", slit = 0 }', "slit = 0"),
     ],
 )
 def test_a_wrong_table_of_a_drawing_is_told(tmp_path: Path, pattern: str, words: str) -> None:
