@@ -74,8 +74,25 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
     >>> bilayer.read_specimen(folder / "a.toml", ["mesh.size='6 mm'"]).mesh.size
     0.006
     """
+    _check_ending(Path(path))
     text = read_text(path, "specimen file")
     return parse_specimen_file(text, overrides, str(path), Path(path).parent)
+
+
+OTHER_FILES = {
+    (".nc", ".nc4", ".cdf"): "a result, which `bilayer info`, `plot` and `rerun` take",
+    (".svg", ".dxf"): 'a drawing, which a specimen file names: pattern = { drawing = "FILE" }',
+    (".png", ".jpg", ".jpeg", ".bmp"): 'an image, which one names: pattern = { image = "FILE" }',
+    (".msh", ".vtu", ".stl", ".obj", ".ply"): "a mesh, which `--mesh` takes beside a specimen file",
+}
+"""Files that are taken for a specimen's by mistake, by their endings."""
+
+
+def _check_ending(path: Path) -> None:
+    """Raise InputError if a file has the ending of another kind."""
+    for endings, words in OTHER_FILES.items():
+        if path.suffix.lower() in endings:
+            raise InputError(f"specimen file {path}: expected TOML, not {words}")
 
 
 def parse_specimen_file(

@@ -190,3 +190,18 @@ def test_a_missing_file_is_named(tmp_path):
     binary.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="not a text file"):
         read_specimen(binary)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("dome.nc", "not a result, which `bilayer info`"),
+        ("petals.SVG", r"not a drawing, .*pattern = \{ drawing"),
+        ("pixels.png", "not an image"),
+        ("sheet.msh", "not a mesh, which `--mesh` takes"),
+    ],
+)
+def test_a_file_of_another_kind_is_told_what_it_is_for(tmp_path, name, words):
+    (tmp_path / name).write_bytes(b"\x89HDF")
+    with pytest.raises(InputError, match=words):
+        read_specimen(tmp_path / name)
