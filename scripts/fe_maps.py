@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -182,7 +183,10 @@ def page(
         "flow, which leads where Newton's method does not. docs/theory-fenics.md says how a",
         "milestone is reached.",
         "",
-        *[f"- {line}" for line in [*_missing(maps, map_names), *summary(maps)]],
+        *[
+            fill(line, 100, initial_indent="- ", subsequent_indent="  ")
+            for line in [*_missing(maps, map_names), *summary(maps)]
+        ],
         "",
         *_rows(maps, map_names),
         "",
@@ -199,8 +203,8 @@ def _missing(table: pd.DataFrame, names: Sequence[str]) -> list[str]:
     if not left:
         return []
     return [
-        f"**{left} of {len(names)} cases are not computed. What follows is of the others alone, "
-        "and no median of the maps.**"
+        f"**{left} of {len(names)} cases are not computed. What follows is of the others, and no "
+        "median of the maps.**"
     ]
 
 

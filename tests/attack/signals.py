@@ -94,7 +94,7 @@ MOMENTS = (
     Moment("FE", "solving, 1", function="fenics_model.solve.newton:Newton._iterate"),
     Moment("FE", "factorising, 2", function="fenics_model.solve.newton:Newton._factorise", call=2),
     Moment("FE", "solving, 3", function="fenics_model.solve.newton:Newton._iterate", call=3),
-    Moment("FE", "measuring, 2", function=MEASURE, call=5),  # 3 of the start before
+    Moment("FE", "measuring, 2", function=MEASURE, call=2),
     Moment("FE", "writing, 2", function=WRITE, call=2),
     Moment("FE on 2 ranks", "meshing", function="bilayer.mesh.generation:generate_mesh"),
     Moment(
