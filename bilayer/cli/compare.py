@@ -70,7 +70,7 @@ def _check_order(options: argparse.Namespace) -> None:
     from bilayer.scan.cloud import MESHES, TABLES
 
     first, second = (Path(path).suffix.lower() for path in (options.result, options.other))
-    if second == ".nc" and first != ".nc" and first in (*MESHES, *TABLES):
+    if second == ".nc" and first in (*MESHES, *TABLES):
         raise InputError(
             f"{options.result} {options.other}: expected the result first, then the scan"
         )

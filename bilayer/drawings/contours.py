@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from bilayer.drawings.lines import Line, Points
 from bilayer.errors import InputError
@@ -68,14 +69,8 @@ def _joined(lines: list[Points], joint: float) -> list[Points]:
     """Return the rings that open lines make, end to end."""
     if not lines:
         return []
-    from scipy.sparse import coo_matrix  # slow to load
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    ends = np.array([line[k] for line in lines for k in (0, -1)])
-    near = cKDTree(ends).query_pairs(joint, output_type="ndarray")
-    links = coo_matrix((np.ones(len(near)), near.T), shape=(len(ends), len(ends)))
-    _, node = connected_components(links, directed=False)
+    ends, near = near_ends(lines, joint)
+    node = groups(len(ends), near)
     _check_repeats(lines, node, joint)
     count = np.bincount(node)
     if (count != 2).any():
@@ -97,6 +92,23 @@ def _joined(lines: list[Points], joint: float) -> list[Points]:
     other_end = {int(a): int(b) for a, b in (np.flatnonzero(node == n) for n in np.unique(node))}
     other_end |= {b: a for a, b in other_end.items()}
     return _walked(lines, other_end)
+
+
+def near_ends(lines: Sequence[Points], joint: float) -> tuple[Points, NDArray[np.intp]]:
+    """Return the ends of lines, (2 n, 2), the first and the last of each, and the joined pairs."""
+    from scipy.spatial import cKDTree  # slow to load
+
+    ends = np.array([line[k] for line in lines for k in (0, -1)])
+    return ends, cKDTree(ends).query_pairs(joint, output_type="ndarray")
+
+
+def groups(count: int, pairs: NDArray[np.intp]) -> NDArray[np.int32]:
+    """Return the number of the group of each of so many, which pairs join."""
+    from scipy.sparse import coo_matrix  # slow to load
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    return np.asarray(connected_components(links, directed=False)[1])
 
 
 def _walked(lines: list[Points], partner: dict[int, int]) -> list[Points]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from bilayer.drawings.contours import even_odd
+from bilayer.drawings.contours import even_odd, groups, near_ends
 from bilayer.drawings.lines import Line, Points
 
 MITRE = 5.0
@@ -35,12 +35,9 @@ def without_slits(lines: Sequence[Line], joint: float) -> tuple[list[Line], list
     closed = [line for line in lines if line.closed]
     if not opened:
         return closed, []
-    from scipy.spatial import cKDTree  # slow to load
-
-    ends = np.array([line.points[k] for line in opened for k in (0, -1)])
-    near = cKDTree(ends).query_pairs(joint, output_type="ndarray")
-    node = _groups(len(ends), near)
-    chain = _groups(len(ends), np.concatenate([near, np.arange(len(ends)).reshape(-1, 2)]))
+    ends, near = near_ends([line.points for line in opened], joint)
+    node = groups(len(ends), near)
+    chain = groups(len(ends), np.concatenate([near, np.arange(len(ends)).reshape(-1, 2)]))
     is_loose = np.bincount(node)[node] != 2
     has_loose = np.bincount(chain, is_loose) > 0
     is_slit = has_loose[chain[::2]]
@@ -74,12 +71,3 @@ def with_slits(rings: Sequence[Points], slits: Sequence[Points], width: float) -
         for polygon in polygons
         for ring in (polygon.exterior, *polygon.interiors)
     ]
-
-
-def _groups(count: int, pairs: np.ndarray) -> np.ndarray:
-    """Return the number of the group of each of so many, which pairs join."""
-    from scipy.sparse import coo_matrix  # slow to load
-    from scipy.sparse.csgraph import connected_components
-
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    return np.asarray(connected_components(links, directed=False)[1])

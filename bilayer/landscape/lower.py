@@ -12,6 +12,7 @@ from bilayer.landscape.search import states
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import LOWER_STATE, result_mesh, result_specimen
 from bilayer.runtime.progress import Progress
+from bilayer.specimen.specimen import Specimen
 
 STARTS = 20
 """Of the search at each milestone, unless told."""
@@ -74,16 +75,48 @@ def look_below(
 
 def _lower_state(shape: xr.Dataset, row: int, settings: Any, starts: int) -> float:
     """Return the energy of the lowest state over that of a shape's own, less 1."""
-    if not bool(shape["converged"].values[0]):
+    found = states_beside(shape, row, settings, starts)
+    if found is None:
         return math.nan
-    specimen = result_specimen(shape)
-    specimen = specimen.with_milestones([specimen.prestretch.milestones[row]])
+    energy = found["energy"].sum("term").values
+    return float(energy[0] / energy[own_state(found)] - 1)
+
+
+def states_beside(shape: xr.Dataset, row: int, settings: Any, starts: int) -> xr.Dataset | None:
+    """Return the states that a search finds from a shape and other starts.
+
+    Parameters
+    ----------
+    shape : Dataset
+        One milestone of a result; the first start.
+    row : int
+        Which milestone of its specimen that is.
+    settings : MorleySettings, HingeSettings or None
+        Of the shell.
+    starts : int
+        Of the search.
+
+    Returns
+    -------
+    Dataset or None
+        See `bilayer.landscape.search.states`; None if there is no shape, or it leads to no state.
+    """
+    if not bool(shape["converged"].values[0]):
+        return None
+    specimen = at_row(shape, row)
     try:
         found = states(specimen, settings, starts=starts, mesh=result_mesh(shape), start=shape)
     except ComputationError:
-        return math.nan
-    own = int(found["start_state"].values[0])
-    if own == NOWHERE:
-        return math.nan
-    energy = found["energy"].sum("term").values
-    return float(energy[0] / energy[own] - 1)
+        return None
+    return None if own_state(found) == NOWHERE else found
+
+
+def own_state(found: xr.Dataset) -> int:
+    """Return the number of the state that the first start, the shape itself, led to."""
+    return int(found["start_state"].values[0])
+
+
+def at_row(shape: xr.Dataset, row: int) -> Specimen:
+    """Return the specimen of a result with one of its milestones alone."""
+    specimen = result_specimen(shape)
+    return specimen.with_milestones([specimen.prestretch.milestones[row]])

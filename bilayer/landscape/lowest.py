@@ -3,12 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from bilayer.errors import ComputationError, InputError
-from bilayer.landscape.catalogue import NOWHERE
-from bilayer.landscape.lower import DESCRIBED, STARTS
-from bilayer.landscape.search import states
+from bilayer.errors import InputError
+from bilayer.landscape.lower import DESCRIBED, STARTS, at_row, own_state, states_beside
 from bilayer.results.milestones import along_milestones
-from bilayer.results.schema import LOWER_STATE, result_mesh, result_specimen
+from bilayer.results.schema import LOWER_STATE, result_mesh
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.registry import solve
 from bilayer.solvers.rerun import result_settings
@@ -79,21 +77,16 @@ def take_lowest(
 
 def _lowest(row: xr.Dataset, place: int, starts: int) -> xr.Dataset | None:
     """Return a milestone in its lowest state: itself, another, or None if none was found."""
-    if not bool(row["converged"].values[0]):
+    settings = result_settings(row)
+    found = states_beside(row, place, settings, starts)
+    if found is None:
         return None
-    specimen = result_specimen(row)
-    specimen = specimen.with_milestones([specimen.prestretch.milestones[place]])
-    settings, mesh = result_settings(row), result_mesh(row)
-    try:
-        found = states(specimen, settings, starts=starts, mesh=mesh, start=row)
-    except ComputationError:
-        return None
-    own = int(found["start_state"].values[0])
-    if own == NOWHERE:
-        return None
-    if own == 0:  # the lowest; an image of it may lie a little lower, as meshes are not symmetric
+    if (
+        own_state(found) == 0
+    ):  # the lowest; an image of it may lie a little lower, as meshes are not symmetric
         return row
-    lower = solve(specimen, "dshell", settings, mesh=mesh, start=found.isel(prestretch=[0]))
+    start, mesh = found.isel(prestretch=[0]), result_mesh(row)
+    lower = solve(at_row(row, place), "dshell", settings, mesh=mesh, start=start)
     return lower if bool(lower["converged"].all()) else None
 
 

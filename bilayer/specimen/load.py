@@ -96,9 +96,14 @@ class Load:
         return LOAD_KINDS[self.kind]
 
     @property
+    def largest(self) -> float:
+        """Largest absolute value; 0 of a displacement that is nowhere held."""
+        return max((abs(v) for v in self.values if not isinstance(v, str)), default=0.0)
+
+    @property
     def scale(self) -> float:
         """Largest absolute value; 1 if all are 0."""
-        return max((abs(v) for v in self.values if not isinstance(v, str)), default=0.0) or 1.0
+        return self.largest or 1.0
 
     def at(self, milestone: int) -> float:
         """Return its value at a milestone, NaN if it is free there."""

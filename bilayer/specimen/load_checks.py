@@ -28,12 +28,9 @@ def check_loads(loads: Sequence[Load], layers: Sequence[Layer], length: float) -
     for load in loads:
         most = MOST_WAY if load.kind == "displacement" else MOST_FORCE
         unit_load = _unit_load(load, layers, length)
-        largest = max(
-            (abs(value) for value in load.values if not isinstance(value, str)), default=0
-        )
-        if largest > most * unit_load:
+        if load.largest > most * unit_load:
             raise InputError(
-                f"loads.{load.name}.{load.kind} = {largest:g} {load.unit}: expected at most "
+                f"loads.{load.name}.{load.kind} = {load.largest:g} {load.unit}: expected at most "
                 f"{most * unit_load:.3g} {load.unit} on a sheet of this size and stiffness; a "
                 f"bare number is in {load.unit}"
             )
