@@ -19,6 +19,8 @@ from bilayer.validation import (
 )
 from dshell.energies.through_thickness import PROFILES
 
+WALLS = ("strained", "relieved")
+"""What layers do at the walls where they end: `dshell.models.wall_relief`."""
 METHOD_NAMES = ("static", "dynamic")
 """Methods that find a shape: `dshell.release.static` and `dshell.release.dynamic`."""
 MOST_TIME_STEPS = 10_000_000
@@ -112,10 +114,16 @@ class MorleySettings(ReleaseSettings):
         "quadratic",
         "strain through the thickness: 'quadratic' E + z k - z^2 det(k) / 2, 'linear' E + z k",
     )
+    walls: str = setting(
+        "strained",
+        "layers at the free walls where they end, at cuts and rims: 'strained' as the shell "
+        "around them, 'relieved' as the section across the wall by finite elements tells",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         keep(self, one_of, "profile", table="solver.", choices=PROFILES)
+        keep(self, one_of, "walls", table="solver.", choices=WALLS)
 
 
 @dataclass(frozen=True)

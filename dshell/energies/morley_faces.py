@@ -40,6 +40,8 @@ from dshell.energies.whole_turns import turns_in
 Array = NDArray[np.float64]
 
 NO_EDGES = np.empty((0, 2), dtype=np.int64)
+WALLS = "beside walls"
+"""Name of the energy of the zones beside walls, in a result."""
 FAR_BEYOND = 10.0
 """Distance of a fixed node from its clamped edge, over the length of that."""
 _FOLDS = ((1, 2, 0, 3), (2, 0, 1, 4), (0, 1, 2, 5))
@@ -203,12 +205,15 @@ class BentFaces:
         return self._faces.flat.areas * self.laminate.energy()
 
     def layer_energies(self) -> dict[str, float]:
-        """Return the energy of each layer by its name, J."""
-        areas = self.areas
-        return {
+        """Return the energy of each layer by its name, and of the zones beside walls, J."""
+        areas, laminate = self.areas, self.laminate
+        energies = {
             bent.layer.name: float(areas[bent.layer.face_numbers] @ bent.energy())
-            for bent in self.laminate.layers
+            for bent in laminate.layers
         }
+        if self._faces.laminate.zones is not None:
+            energies[WALLS] = float(np.sum(areas * laminate.zone_energy()))
+        return energies
 
     def gradient(self) -> Array:
         """Return the derivative of the energy by the state, N, shape (dofs,)."""

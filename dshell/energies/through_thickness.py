@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mechanics.memory import Memory
 from bilayer.specimen.relaxation import ELASTIC, PronySeries
+from dshell.energies.wall_zones import WallZones
 from dshell.materials.plane_stress import PlaneStressLaw, PlaneStressState
 from dshell.materials.remembering import remember
 
@@ -113,10 +114,13 @@ class Laminate:
         From the same reference surface.
     quadratic : float
         Weight of the quadratic term of the strain, see `PROFILES`.
+    zones : WallZones or None
+        Beside the walls where layers end; None: the layers are strained up to there.
     """
 
     layers: Sequence[ShellLayer]
     quadratic: float
+    zones: WallZones | None = None
 
     @property
     def thickness(self) -> float:
@@ -125,7 +129,8 @@ class Laminate:
 
     def part(self, block: slice) -> "Laminate":
         """Return the laminate of some of the faces, a range."""
-        return replace(self, layers=[layer.part(block) for layer in self.layers])
+        zones = None if self.zones is None else self.zones.part(block)
+        return replace(self, layers=[layer.part(block) for layer in self.layers], zones=zones)
 
     def at(self, s: Array) -> "BentLaminate":
         """Return the laminate in the strains and curvatures s of m faces, shape (6, m)."""
@@ -144,7 +149,9 @@ class BentLaminate:
     """
 
     def __init__(self, laminate: Laminate, s: Array) -> None:
-        self._shape = s.shape
+        self._zones, self._strains = laminate.zones, s
+        if laminate.zones is not None:
+            s = laminate.zones.layer_strains(s)
         self.layers = [
             BentLayer(layer, laminate.quadratic, s[:, layer.face_numbers])
             for layer in laminate.layers
@@ -152,24 +159,30 @@ class BentLaminate:
 
     def energy(self) -> Array:
         """Return the energy per area, J/m2, shape (m,)."""
-        total = np.zeros(self._shape[1:])
+        total = self.zone_energy()
         for bent in self.layers:
             total[bent.layer.face_numbers] += bent.energy()
         return total
 
+    def zone_energy(self) -> Array:
+        """Return the part of the zones beside walls, J/m2, shape (m,)."""
+        if self._zones is None:
+            return np.zeros(self._strains.shape[1:])
+        return self._zones.energy(self._strains)
+
     def resultants(self) -> Array:
         """Return its derivative by s, membrane forces (N/m) and moments (N), shape (6, m)."""
-        total = np.zeros(self._shape)
+        total = np.zeros(self._strains.shape)
         for bent in self.layers:
             total[:, bent.layer.face_numbers] += bent.resultants()
-        return total
+        return total if self._zones is None else self._zones.resultants(self._strains, total)
 
     def stiffness(self) -> Array:
         """Return the resultants' own derivative by s, shape (6, 6, m)."""
-        total = np.zeros((6, *self._shape))
+        total = np.zeros((6, *self._strains.shape))
         for bent in self.layers:
             total[:, :, bent.layer.face_numbers] += bent.stiffness()
-        return total
+        return total if self._zones is None else self._zones.stiffness(total)
 
 
 class BentLayer:

@@ -6,6 +6,7 @@ from copy import copy
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.errors import InputError
 from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.bonding import check_no_gap
 from bilayer.mesh.parts import clamped_edges
@@ -15,10 +16,15 @@ from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
 from dshell.models.layer_states import layer_states
+from dshell.models.wall_faces import WallFaces, walls_of
+from dshell.models.wall_relief import wall_zones
 from dshell.settings import MorleySettings
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
+WALL_WIDTH = 2.0
+"""Distance of faces that share a wall, over the thickness of all layers."""
 FACES_IN_A_BLOCK = 2048
 """Evaluated together, so that what is computed of them stays in the processor's cache."""
 
@@ -44,6 +50,7 @@ class MorleyModel:
         self._specimen, self._mesh = specimen, mesh
         self._quadratic = PROFILES[settings.profile]
         clamped = clamped_edges(specimen, mesh)
+        self._walls = FACES_AT_WALLS[settings.walls](specimen, mesh, clamped)
         faces = MorleyFaces(mesh.points, mesh.triangles, self._laminate((1.0, 1.0)), clamped)
         beyond = np.pad(faces.beyond, ((0, 0), (0, 1))).reshape(-1)
         self.extra_flat = np.concatenate([beyond, np.zeros(faces.edge_count)])
@@ -88,7 +95,17 @@ class MorleyModel:
         """Return the derivative of the energy by the flat places of the nodes, N, (n, 2).
 
         The state stays, and so do the heights of the layers.
+
+        Raises
+        ------
+        InputError
+            Layers are relieved at walls, whose zones have no such derivative.
         """
+        if self._walls:
+            raise InputError(
+                "solver.walls = 'relieved': has no derivative by the places of the nodes, which a "
+                "design needs; expected 'strained'"
+            )
         gradient = np.zeros((len(self._mesh.points), 2))
         for faces in self.energies(stretch):
             by_corners = faces.at(state).flat_gradient()
@@ -96,7 +113,27 @@ class MorleyModel:
         return gradient
 
     def _laminate(self, stretch: tuple[float, float]) -> Laminate:
-        return Laminate(specimen_layers(self._specimen, self._mesh, stretch), self._quadratic)
+        layers = specimen_layers(self._specimen, self._mesh, stretch)
+        if not self._walls:
+            return Laminate(layers, self._quadratic)
+        materials = {layer.name: layer.material for layer in self._specimen.layers}
+        zones = wall_zones(layers, materials, self._walls, len(self._mesh.triangles))
+        return Laminate(layers, self._quadratic, zones)
+
+
+def _rigid_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list[WallFaces]:
+    """Return none: all layers are strained up to where they end."""
+    return []
+
+
+def _relieved_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list[WallFaces]:
+    """Return the faces beside all walls that are not clamped."""
+    width = WALL_WIDTH * sum(layer.thickness for layer in specimen.layers)
+    return walls_of(mesh, width, clamped)
+
+
+FACES_AT_WALLS = {"strained": _rigid_walls, "relieved": _relieved_walls}
+"""The faces where layers are relieved, by the name that a setting gives them."""
 
 
 def specimen_layers(

@@ -17,6 +17,7 @@ from verification import (
     solid_fields,
     solid_states,
     solid_strips,
+    wall_strip_solid,
 )
 from verification.laws import LAW_CASES, STRETCHES, law_checks
 from verification.rung import Check, Rung
@@ -192,6 +193,10 @@ def fields() -> Iterator[Check]:
     yield Check("uneven state, energies", solid_fields.energy_error(), 0.0, 1e-10, 1.0)
 
 
+def walls() -> Iterator[Check]:
+    yield from wall_strip_solid.checks()
+
+
 SOLID = "fenics solid"
 
 FENICS_RUNGS = (
@@ -293,5 +298,14 @@ FENICS_RUNGS = (
         "An incompressible block; closed forms in principal stretches. Planar: nominal stresses "
         "along and across, the width held.",
         every_law,
+    ),
+    Rung(
+        26, SOLID, "Layers that are relieved at walls",
+        "A bar of kirigami on a wide substrate of the published bistable sheets, small mismatch, "
+        "its length held. By laminate theory the two sides of the strip lie at an angle of the "
+        "bar's natural curvature times its width. Told is the width that each wall takes from the "
+        "bar, over its thickness; negative: it adds to it. The reference is the shell with "
+        "walls = 'relieved'; that of the shell without is 0.",
+        walls,
     ),
 )  # fmt: skip

@@ -32,6 +32,7 @@ from verification import (
     shell_fields,
     shell_states,
     slow_sheets,
+    wall_strip,
 )
 from verification.laws import LAW_CASES, STRETCHES, law_checks
 from verification.meshes import hexagon, rectangle
@@ -249,7 +250,9 @@ def energies() -> Iterator[Check]:
     specimen, stretch = paper_specimen(), (1.2, 1.1)
     mesh = generate_mesh(bilayers.ladder_disc(specimen.layer("kirigami").pattern, 0.01))
     linear, quadratic = (MorleySettings(profile=name) for name in ("linear", "quadratic"))
+    relieved = MorleySettings(walls="relieved")
     models = {
+        "morley, relieved walls": MorleyModel(specimen, mesh, relieved),
         "morley, linear": MorleyModel(specimen, mesh, linear),
         "morley, quadratic": MorleyModel(specimen, mesh, quadratic),
         "hinge": HingeModel(specimen, mesh),
@@ -355,6 +358,11 @@ def fields() -> Iterator[Check]:
             missing = max(0.0, least - float(rate))
             yield Check(f"{name}: rate of the {which} curvature, less than {least:g} by", missing,
                         0.0, 0.1, 1.0)  # fmt: skip
+
+
+def walls() -> Iterator[Check]:
+    yield from wall_strip.torsion_checks()
+    yield from wall_strip.mesh_checks()
 
 
 MORLEY, HINGE = "dshell morley", "dshell hinge"
@@ -545,6 +553,13 @@ LONG_RUNGS = (
         "against the energies; curvatures of a sphere, a cylinder and a saddle on discs of 40 mm, "
         "by the edge of the mesh.",
         fields,
+    ),
+    Rung(
+        26, MORLEY, "Layers that are relieved at walls",
+        "Torsion of a strip, G J over G w t^3 / 3; St. Venant's series. What each wall of a bar of "
+        "kirigami on a wide substrate takes from the bar's width, over its thickness: the same on "
+        "any mesh and of any width.",
+        walls,
     ),
 )  # fmt: skip
 """Not among the tests of `scripts/test`, which has their like on coarse meshes."""

@@ -35,6 +35,7 @@ SETTINGS: dict[str, tuple[Any, ...]] = {
     "method": ("x", 5, [], "", "STATIC", True),
     "branch": ("x", 5, [], "", "Lowest", True),
     "profile": ("x", 5, [], "", "cubic", True),
+    "walls": ("x", 5, [], "", "free", True),
 }
 NO_OVERRIDE = (
     "",

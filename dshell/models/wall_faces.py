@@ -1,0 +1,126 @@
+"""The faces beside the walls where layers end: at cuts, at the rim and at holes.
+
+The faces whose centroids lie within some distance of a wall share it, or within a face's length if
+the mesh is coarser. What the wall does to them then does not depend on the mesh.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from bilayer.mesh.planar import PlanarMesh
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class WallFaces:
+    """The faces beside walls of one kind: all that have the same layers on both sides.
+
+    Parameters
+    ----------
+    there, ending : frozenset of str
+        Layers on the faces, and those of them that end at the walls.
+    faces : (k,) array of int
+        Those that share the walls, ascending.
+    normals : (2, 2, k) array of float
+        Two directions at right angles for each face: component, direction.
+    density : (2, k) array of float
+        The length of wall across each direction over the area of the faces that share it, 1/m.
+    """
+
+    there: frozenset[str]
+    ending: frozenset[str]
+    faces: Numbers
+    normals: Array
+    density: Array
+
+
+def walls_of(mesh: PlanarMesh, width: float, clamped: Numbers) -> list[WallFaces]:
+    """Return the faces beside the walls of a mesh: at cuts, at its rim and at its holes.
+
+    Parameters
+    ----------
+    mesh : PlanarMesh
+        Which layers lie on each triangle.
+    width : float
+        How far from a wall the faces that share it may lie, m.
+    clamped : (c, 2) array of int
+        Edges of the mesh that are no free wall, as ascending pairs of nodes.
+    """
+    edges, behind, before = _sides_of_walls(mesh, clamped)
+    sets = [*mesh.layer_sets, frozenset()]  # the last one: beyond a rim
+    regions = np.append(mesh.region, len(mesh.layer_sets))
+    found: dict[tuple[frozenset[str], frozenset[str]], list[Numbers]] = {}
+    for pair in np.unique(np.stack([regions[behind], regions[before]]), axis=1).T:
+        there, beyond = sets[pair[0]], sets[pair[1]]
+        if there - beyond:
+            chosen = np.flatnonzero((regions[behind] == pair[0]) & (regions[before] == pair[1]))
+            found.setdefault((there, there - beyond), []).append(chosen)
+    return [
+        _shared(mesh, there, ending, edges[chosen], behind[chosen], width)
+        for (there, ending), parts in found.items()
+        for chosen in [np.concatenate(parts)]
+    ]
+
+
+def _sides_of_walls(mesh: PlanarMesh, clamped: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    """Return edges whose two sides may differ in layers, each twice but at a rim.
+
+    Returns
+    -------
+    edges : (e, 2) array of int
+        Their nodes, the face behind on the left.
+    behind, before : (e,) array of int
+        The face on the left; that on the right, or the number of faces if there is none.
+    """
+    count = len(mesh.triangles)
+    sides = np.concatenate([mesh.triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
+    face = np.tile(np.arange(count), 3)
+    pairs, edge = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
+    total = np.bincount(edge, face)
+    number = np.bincount(edge)[edge]
+    before = np.where(number == 2, total[edge] - face, count).astype(np.int64)
+    regions = np.append(mesh.region, -1)
+    is_wall = regions[face] != regions[before]
+    if len(clamped):
+        key = np.array([len(mesh.points), 1])
+        is_wall &= ~np.isin(pairs[edge] @ key, clamped @ key)
+    return sides[is_wall], face[is_wall], before[is_wall]
+
+
+def _shared(
+    mesh: PlanarMesh,
+    there: frozenset[str],
+    ending: frozenset[str],
+    edges: Numbers,
+    behind: Numbers,
+    width: float,
+) -> WallFaces:
+    """Return the faces that share some walls, all with the same layers there."""
+    start, side = mesh.points[edges[:, 0]], np.diff(mesh.points[edges], axis=1)[:, 0]
+    length = np.linalg.norm(side, axis=1)
+    outward = np.stack([side[:, 1], -side[:, 0]], axis=1) / length[:, None]
+    same = np.flatnonzero([mesh.layer_sets[region] == there for region in mesh.region])
+    centroids = mesh.points[mesh.triangles[same]].mean(axis=1)
+    reach = np.maximum(width, length)
+    near = cKDTree(centroids).query_ball_point(start + side / 2, reach + length / 2)
+    wall = np.repeat(np.arange(len(edges)), [len(each) for each in near])
+    face = np.concatenate([*near, np.empty(0)]).astype(np.int64)
+    away = centroids[face] - start[wall]
+    along = np.clip((away * side[wall]).sum(axis=1) / length[wall] ** 2, 0, 1)
+    distance = np.linalg.norm(away - along[:, None] * side[wall], axis=1)
+    inside = (distance <= reach[wall]) & ((away * outward[wall]).sum(axis=1) < 0)
+    wall, face = np.concatenate(
+        [[wall[inside], same[face[inside]]], [np.arange(len(edges)), behind]], axis=1
+    )
+    wall, face = np.unique(np.stack([wall, face]), axis=1)
+    share = length[wall] / np.bincount(wall, mesh.areas[face])[wall]
+    faces, place = np.unique(face, return_inverse=True)
+    x, y = outward[wall].T
+    parts = [np.bincount(place, share * each) for each in (x * x, x * y, x * y, y * y)]
+    density, normals = np.linalg.eigh(np.stack(parts, axis=1).reshape(-1, 2, 2))
+    return WallFaces(there, ending, faces, normals.transpose(1, 2, 0), density.T)
