@@ -15,6 +15,7 @@ as was allowed for.
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -34,8 +35,10 @@ RANGE_SHARE_OF_FLAT = 0.5
 SLACK = 1.0
 """Motion for which pairs are kept, over the range."""
 LONGEST_PART = 25.0
-"""Motion that is looked at in one go when the skin is far from itself, over the range: places that
-move far sweep so much room that most others are in their way."""
+"""Motion that is looked at in one go, over the range: places that move far sweep so much room that
+most others are in their way."""
+MOST_PARTS = 400
+"""Of one motion: those of a step that makes no sense may be kilometres long."""
 CLEARANCE = 0.25
 """Motion that is allowed for when the skin is found clear of itself, over the range."""
 
@@ -137,17 +140,31 @@ class Barrier:
         """Return the share of straight ways from start to end until two places touch."""
         if self._is_clear(start) and self._is_clear(end):
             return 1.0
-        share = self._ipctk.compute_collision_free_stepsize(
-            self._mesh, np.asfortranarray(start), np.asfortranarray(end)
-        )
-        return float(share)
+        for before, after, begin, stop in self._parts(start, end):
+            share = self._ipctk.compute_collision_free_stepsize(
+                self._mesh, np.asfortranarray(begin), np.asfortranarray(stop)
+            )
+            if share < 1:
+                return before + float(share) * (after - before)
+        return 1.0
 
     def stays_clear(self, start: Array, end: Array) -> bool:
         """Whether no two places come within range on straight ways from start to end."""
+        return all(self._part_stays_clear(*ends) for _, _, *ends in self._parts(start, end))
+
+    def _parts(self, start: Array, end: Array) -> Iterator[tuple[float, float, Array, Array]]:
+        """Yield the parts of straight ways: the shares where they begin and stop, and both ends.
+
+        None is longer than allowed, unless there would be too many of them.
+        """
         longest = np.sqrt(((end - start) ** 2).sum(axis=1).max())
-        parts = np.linspace(0, 1, 1 + max(1, math.ceil(longest / (LONGEST_PART * self.range))))
-        ways = [(1 - part) * start + part * end for part in parts[1:-1]]
-        return all(self._part_stays_clear(*way) for way in itertools.pairwise([start, *ways, end]))
+        parts = longest / (LONGEST_PART * self.range)
+        count = max(1, math.ceil(parts)) if parts < MOST_PARTS else MOST_PARTS
+        shares = np.linspace(0, 1, count + 1)
+        between = ((1 - share) * start + share * end for share in shares[1:-1])
+        ways = itertools.pairwise(itertools.chain([start], between, [end]))
+        for share, (begin, stop) in zip(itertools.pairwise(shares), ways, strict=True):
+            yield float(share[0]), float(share[1]), begin, stop
 
     def _part_stays_clear(self, start: Array, end: Array) -> bool:
         if self._is_clear(start) and self._is_clear(end):

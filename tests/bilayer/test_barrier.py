@@ -110,6 +110,24 @@ def test_crossing_and_the_way_to_it(barrier):
     assert barrier.free_share(apart, two_plates(2.9e-4)[0]) == 1
 
 
+def test_a_way_of_any_length_is_looked_at_in_parts(barrier, monkeypatch):
+    apart, through = two_plates(3e-4)[0], two_plates(-3e-4)[0]
+    once = barrier.free_share(apart, through)
+    far = apart + 1e4 * (through - apart)
+    parts = []
+    whole = barrier._ipctk.compute_collision_free_stepsize
+
+    def counted(mesh, begin, stop):
+        parts.append(np.abs(stop - begin).max())
+        return whole(mesh, begin, stop)
+
+    monkeypatch.setattr(barrier._ipctk, "compute_collision_free_stepsize", counted)
+    assert barrier.free_share(apart, far) * 1e4 == pytest.approx(once, rel=0.3)
+    assert 1 <= len(parts) < 5
+    assert not barrier.is_crossed(apart + barrier.free_share(apart, far) * (far - apart))
+    assert max(parts) < 0.01 * np.abs(far - apart).max()
+
+
 def test_what_is_found_clear_is_clear_for_a_while_and_no_longer(barrier):
     far, near, touching = (two_plates(gap)[0] for gap in (1e-3, 4.5e-4, 1e-4))
     assert not barrier.stays_clear(far, touching)
