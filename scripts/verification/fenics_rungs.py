@@ -8,13 +8,16 @@ from bilayer import solve
 from fenics_model.settings import SolidSettings
 from verification import (
     clamped_plate,
+    hinged_roof,
     inflated_membrane,
     lying_sheet,
     relaxing_solid,
+    shell_roof,
     slow_sheets,
     solid_derivatives,
     solid_discs,
     solid_fields,
+    solid_roof,
     solid_states,
     solid_strips,
     wall_strip_solid,
@@ -150,6 +153,13 @@ def clamped_plate_under_pressure() -> Iterator[Check]:
     yield from clamped_plate.checks(result, "2.5 mm", 0.01)
 
 
+def hinged_roofs() -> Iterator[Check]:
+    curves = solid_roof.solid_curves(10)
+    yield from hinged_roof.against_the_paper(curves, "10 cells a side of a quarter", 0.02)
+    shell = shell_roof.shell_curves(40)
+    yield from hinged_roof.beyond(curves, shell, "10 cells, the shell's", 0.04)
+
+
 def membrane() -> Iterator[Check]:
     shell = solve(inflated_membrane.membrane_specimen(1e-3), "dshell")
     for size, tolerance in ((4e-3, None), (2e-3, 0.01)):
@@ -268,6 +278,11 @@ FENICS_RUNGS = (
         17, SOLID, "Clamped circular plate under a follower pressure",
         clamped_plate.WORDS,
         clamped_plate_under_pressure,
+    ),
+    Rung(
+        17, SOLID, "Hinged cylindrical roof",
+        hinged_roof.WORDS + " Beyond the first limit point against the shell.",
+        hinged_roofs,
     ),
     Rung(
         19, SOLID, "Inflated circular membrane",

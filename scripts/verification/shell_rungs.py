@@ -26,10 +26,12 @@ from verification import (
     derivatives,
     flowers,
     hinge_lattice,
+    hinged_roof,
     inflated_membrane,
     plates,
     relaxing_layer,
     shell_fields,
+    shell_roof,
     shell_states,
     slow_sheets,
     wall_strip,
@@ -299,6 +301,11 @@ def strip_pushed_through() -> Iterator[Check]:
     yield from buckled_strip.checks(result, "2 mm", 0.02)
 
 
+def hinged_roofs() -> Iterator[Check]:
+    curves = shell_roof.shell_curves(32)
+    yield from hinged_roof.against_the_paper(curves, "32 cells a side", 0.02)
+
+
 def folded_strip() -> Iterator[Check]:
     for cells, tolerance in ((60, 0.01), (120, 0.005)):
         fold = contacts.fold_between_planes(cells)
@@ -516,6 +523,11 @@ LONG_RUNGS = (
         17, MORLEY, "Buckled strip pushed through its limit points",
         buckled_strip.WORDS,
         strip_pushed_through,
+    ),
+    Rung(
+        17, MORLEY, "Hinged cylindrical roof",
+        hinged_roof.WORDS,
+        hinged_roofs,
     ),
     Rung(
         15, MORLEY, "Petals are alike on an unsymmetric mesh",
