@@ -31,7 +31,7 @@ def test_force_and_deflection_of_a_thin_roof_both_turn_back():
 def test_a_path_that_leads_nowhere_ends_with_the_place():
     roof = ShellRoof(hinged_roof.THICK, 8)
     path = follow_arc(roof, roof.start, Scales(0.03, 3000.0, 0.0), 0.1, lambda *_: True)
-    with pytest.raises(ComputationError, match="no equilibrium beyond -?0 m"):
+    with pytest.raises(ComputationError, match=r"no equilibrium beyond -?0 m"):
         next(path)
 
 
