@@ -17,26 +17,45 @@ Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class WallFaces:
-    """The faces beside walls of one kind: all that have the same layers on both sides.
+class SharingFaces:
+    """The faces on one side of some walls that share these.
 
     Parameters
     ----------
-    there, ending : frozenset of str
-        Layers on the faces, and those of them that end at the walls.
     faces : (k,) array of int
-        Those that share the walls, ascending.
+        Ascending.
     normals : (2, 2, k) array of float
         Two directions at right angles for each face: component, direction.
     density : (2, k) array of float
         The length of wall across each direction over the area of the faces that share it, 1/m.
     """
 
-    there: frozenset[str]
-    ending: frozenset[str]
     faces: Numbers
     normals: Array
     density: Array
+
+
+@dataclass(frozen=True, eq=False)
+class WallFaces:
+    """The faces beside walls of one kind: all that have the same layers on both sides.
+
+    Parameters
+    ----------
+    there, beyond : frozenset of str
+        Layers behind the walls, and before them; of a rim there are none before it.
+    behind, before : SharingFaces
+        The faces on both sides; none before a rim.
+    """
+
+    there: frozenset[str]
+    beyond: frozenset[str]
+    behind: SharingFaces
+    before: SharingFaces
+
+    @property
+    def ending(self) -> frozenset[str]:
+        """Layers that end at the walls."""
+        return self.there - self.beyond
 
 
 def walls_of(mesh: PlanarMesh, width: float, clamped: Numbers) -> list[WallFaces]:
@@ -59,10 +78,15 @@ def walls_of(mesh: PlanarMesh, width: float, clamped: Numbers) -> list[WallFaces
         there, beyond = sets[pair[0]], sets[pair[1]]
         if there - beyond:
             chosen = np.flatnonzero((regions[behind] == pair[0]) & (regions[before] == pair[1]))
-            found.setdefault((there, there - beyond), []).append(chosen)
+            found.setdefault((there, beyond), []).append(chosen)
     return [
-        _shared(mesh, there, ending, edges[chosen], behind[chosen], width)
-        for (there, ending), parts in found.items()
+        WallFaces(
+            there,
+            beyond,
+            _shared(mesh, there, edges[chosen], behind[chosen], width),
+            _shared(mesh, beyond, edges[chosen][:, ::-1], before[chosen], width),
+        )
+        for (there, beyond), parts in found.items()
         for chosen in [np.concatenate(parts)]
     ]
 
@@ -93,34 +117,52 @@ def _sides_of_walls(mesh: PlanarMesh, clamped: Numbers) -> tuple[Numbers, Number
 
 
 def _shared(
-    mesh: PlanarMesh,
-    there: frozenset[str],
-    ending: frozenset[str],
-    edges: Numbers,
-    behind: Numbers,
-    width: float,
-) -> WallFaces:
-    """Return the faces that share some walls, all with the same layers there."""
+    mesh: PlanarMesh, layers: frozenset[str], edges: Numbers, beside: Numbers, width: float
+) -> SharingFaces:
+    """Return the faces that share some walls, all with the same layers.
+
+    Parameters
+    ----------
+    mesh : PlanarMesh
+        Of the walls.
+    layers : frozenset of str
+        On the faces; none: there are no faces.
+    edges : (e, 2) array of int
+        Nodes of the walls, the faces on their left.
+    beside : (e,) array of int
+        The face at each wall.
+    width : float
+        See `walls_of`.
+    """
+    if not layers:
+        return SharingFaces(np.empty(0, np.int64), np.empty((2, 2, 0)), np.empty((2, 0)))
     start, side = mesh.points[edges[:, 0]], np.diff(mesh.points[edges], axis=1)[:, 0]
     length = np.linalg.norm(side, axis=1)
     outward = np.stack([side[:, 1], -side[:, 0]], axis=1) / length[:, None]
-    same = np.flatnonzero([mesh.layer_sets[region] == there for region in mesh.region])
-    centroids = mesh.points[mesh.triangles[same]].mean(axis=1)
-    reach = np.maximum(width, length)
-    near = cKDTree(centroids).query_ball_point(start + side / 2, reach + length / 2)
-    wall = np.repeat(np.arange(len(edges)), [len(each) for each in near])
-    face = np.concatenate([*near, np.empty(0)]).astype(np.int64)
-    away = centroids[face] - start[wall]
-    along = np.clip((away * side[wall]).sum(axis=1) / length[wall] ** 2, 0, 1)
-    distance = np.linalg.norm(away - along[:, None] * side[wall], axis=1)
-    inside = (distance <= reach[wall]) & ((away * outward[wall]).sum(axis=1) < 0)
-    wall, face = np.concatenate(
-        [[wall[inside], same[face[inside]]], [np.arange(len(edges)), behind]], axis=1
-    )
-    wall, face = np.unique(np.stack([wall, face]), axis=1)
+    wall, face = _near(mesh, layers, start, side, np.maximum(width, length))
+    wall = np.concatenate([wall, np.arange(len(edges))])
+    wall, face = np.unique(np.stack([wall, np.concatenate([face, beside])]), axis=1)
     share = length[wall] / np.bincount(wall, mesh.areas[face])[wall]
     faces, place = np.unique(face, return_inverse=True)
     x, y = outward[wall].T
     parts = [np.bincount(place, share * each) for each in (x * x, x * y, x * y, y * y)]
     density, normals = np.linalg.eigh(np.stack(parts, axis=1).reshape(-1, 2, 2))
-    return WallFaces(there, ending, faces, normals.transpose(1, 2, 0), density.T)
+    return SharingFaces(faces, normals.transpose(1, 2, 0), density.T)
+
+
+def _near(
+    mesh: PlanarMesh, layers: frozenset[str], start: Array, side: Array, reach: Array
+) -> tuple[Numbers, Numbers]:
+    """Return pairs of a wall and a face with some layers on its left and within its reach."""
+    same = np.flatnonzero([mesh.layer_sets[region] == layers for region in mesh.region])
+    centroids = mesh.points[mesh.triangles[same]].mean(axis=1)
+    length = np.linalg.norm(side, axis=1)
+    near = cKDTree(centroids).query_ball_point(start + side / 2, reach + length / 2)
+    wall = np.repeat(np.arange(len(start)), [len(each) for each in near])
+    face = np.concatenate([*near, np.empty(0)]).astype(np.int64)
+    away, along = centroids[face] - start[wall], side[wall]
+    foot = np.clip((away * along).sum(axis=1) / length[wall] ** 2, 0, 1)
+    distance = np.linalg.norm(away - foot[:, None] * along, axis=1)
+    is_left = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0] > 0
+    inside = (distance <= reach[wall]) & is_left
+    return wall[inside], same[face[inside]]

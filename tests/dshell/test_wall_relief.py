@@ -78,7 +78,9 @@ def test_faces_share_all_the_length_of_the_walls_on_any_mesh(sheet, size):
     mesh = generate_mesh(replace(sheet, mesh=MeshSize(size)))
     walls = walls_of(mesh, 2e-3, np.empty((0, 2), dtype=np.int64))
     length = {
-        (len(wall.there), len(wall.ending)): float((mesh.areas[wall.faces] * wall.density).sum())
+        (len(wall.there), len(wall.ending)): float(
+            (mesh.areas[wall.behind.faces] * wall.behind.density).sum()
+        )
         for wall in walls
     }
     expected = {(2, 1): 0.1, (1, 1): 0.1, (2, 2): 0.04}
