@@ -12,6 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from bilayer.results.caveats import is_unstable, touches_itself
+from studies.merged import WITHOUT
 
 PRESTRETCH = 1.15
 """Prestretch at which the values of a field are listed: between slight bending and curling up."""
@@ -24,35 +25,88 @@ ABOUT = 0.5
 STRIPS = "cut.strips"
 SOLID = "solid"
 """The model of the finite elements."""
+UNKNOWN = ("not computed", "not reached")
+"""Why a point has no quality."""
+MEASURED = ("quality", "lowest", "highest", "moved")
+TOUCHES = "touches itself"
 HOLDS, FAILS, OPEN = "holds", "does NOT hold", "CANNOT BE DECIDED"
 
 
 def points_of(study: xr.Dataset, field: str | None = None) -> pd.DataFrame:
-    """Return every computed point of a study, and whether it is sound.
+    """Return every point of a study, and whether it is sound.
 
-    Columns: solver, model, prestretch, the field, quality, why (empty if it is sound), sound.
+    Columns: solver, model, prestretch, the field, quality, lowest and highest (it lies between),
+    moved (by how much contact has moved it, NaN if that is not known), why (empty if it is sound),
+    sound.
     """
     like = study["converged"]
+    without = study.get(WITHOUT, like.copy(data=np.full(like.shape, np.nan)))
     judged = study[["quality", "converged"]].assign(
-        unstable=like.copy(data=is_unstable(study)), touches=like.copy(data=touches_itself(study))
+        unstable=like.copy(data=is_unstable(study)),
+        touches=like.copy(data=touches_itself(study)),
+        moved=abs(study["quality"] - without),
     )
     table = judged.to_dataframe().reset_index()
-    table = table[table["converged"].notna()]
-    against = [table["converged"] != 1, table["unstable"], table["touches"]]
-    table["why"] = np.select(against, ["not reached", "unstable", "touches itself"], "")
+    against = [
+        table["converged"].isna(), table["converged"] != 1, table["unstable"], table["touches"]
+    ]  # fmt: skip
+    table["why"] = np.select(against, [*UNKNOWN, "unstable", TOUCHES], "")
     table["sound"] = table["why"] == ""
     table["prestretch"] = table["prestretch"].round(9)
+    known = ~table["why"].isin(UNKNOWN)
+    table["lowest"], table["highest"] = (table["quality"].where(known, end) for end in (0.0, 1.0))
     return table[_columns(field)]
+
+
+def bounded(points: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+    """Return the points of all fields, with bounds of those that pass through themselves.
+
+    They are taken to be within the largest change that contact has made where it is known, among
+    the points of the same solver; if it is known nowhere, they may have any quality.
+    """
+    moves = _moves(points)
+    tables = {}
+    for field, table in points.items():
+        slack = table["solver"].map(moves).fillna(1.0).where(table["why"] == TOUCHES, 0.0)
+        tables[field] = table.assign(
+            lowest=(table["lowest"] - slack).clip(lower=0.0),
+            highest=(table["highest"] + slack).clip(upper=1.0),
+        )
+    return tables
+
+
+def contact_findings(points: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Say how far contact has moved the quality of the points that touch themselves without."""
+    counts = _together(points).groupby("solver")["moved"].count()
+    return [
+        f"{solver}: contact moved the quality by at most {move:.3f}, at {counts[solver]} points "
+        "that pass through themselves without it; others that do are taken to be within that"
+        for solver, move in _moves(points).items()
+    ]
+
+
+def _moves(points: Mapping[str, pd.DataFrame]) -> pd.Series:
+    """Return by solver the largest change that contact has made to a quality."""
+    return _together(points).groupby("solver")["moved"].max().dropna()
+
+
+def _together(points: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return solver and move of the points of all fields."""
+    columns = ["solver", "moved"]
+    there = [table[columns].dropna() for table in points.values()]
+    return pd.concat([table for table in there if len(table)] or [there[0]])
 
 
 def no_points(field: str | None = None) -> pd.DataFrame:
     """Return the table of `points_of` for a study that is not there."""
-    return pd.DataFrame(columns=_columns(field)).astype({"quality": float, "sound": bool})
+    return pd.DataFrame(columns=_columns(field)).astype(
+        {"sound": bool, **dict.fromkeys(MEASURED, float)}
+    )
 
 
 def _columns(field: str | None) -> list[str]:
     named = [] if field is None else [field]
-    return ["solver", "model", "prestretch", *named, "quality", "why", "sound"]
+    return ["solver", "model", "prestretch", *named, *MEASURED, "why", "sound"]
 
 
 def range_findings(points: pd.DataFrame, field: str) -> list[str]:
@@ -140,10 +194,11 @@ def optimum(points: pd.DataFrame, field: str) -> str:
     )
     if len(against):
         return f"{OPEN}, a point beside the best: {against.iloc[0]} ({counted})"
-    if (row["why"] == "not reached").any():
-        return f"{OPEN}, a point was not reached ({counted})"
-    if (row["quality"] < best["quality"]).any():
-        return f"{OPEN}, a point that is not sound is better ({counted})"
+    for why in UNKNOWN:
+        if (row["why"] == why).any():
+            return f"{OPEN}, a point was {why} ({counted})"
+    if (row["lowest"] < best["quality"]).any():
+        return f"{OPEN}, a point that is not sound may be better ({counted})"
     if place in (0, len(row) - 1):
         return f"{FAILS}, the best, {best[field]:g}, is an end of the interval ({counted})"
     return f"{HOLDS}, {best[field]:g} ({counted})"
@@ -185,7 +240,7 @@ def _about_the_papers(mean: float) -> str:
 class Span:
     """The range of the quality over a field, as far as it is known.
 
-    `least` is over the sound points. `most` is over all, or 1 if one was not reached.
+    `least` is over the sound points. `most` is over the bounds of all.
     """
 
     least: float
@@ -196,9 +251,8 @@ class Span:
     @classmethod
     def of(cls, points: pd.DataFrame) -> "Span":
         sound = points["quality"][points["sound"]]
-        reached = points["why"] != "not reached"
         least = float(np.ptp(sound)) if len(sound) else 0.0
-        most = float(np.ptp(points["quality"])) if reached.all() and len(points) else 1.0
+        most = float(points["highest"].max() - points["lowest"].min()) if len(points) else 1.0
         return cls(least, most, len(sound), len(points))
 
     def __str__(self) -> str:
