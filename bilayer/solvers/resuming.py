@@ -22,9 +22,10 @@ from bilayer.results.schema import (
     result_specimen,
 )
 from bilayer.results.table import stretches
-from bilayer.specimen.settings import settings_to_toml
+from bilayer.specimen.settings import settings_from, settings_to_toml
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import specimen_to_toml
+from bilayer.specimen.toml_text import parse_toml
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +154,7 @@ def check_same_run(
     for name, mine, other in (
         ("solver", solver, result.attrs["solver"]),
         ("model", model, result.attrs["model"]),
-        ("settings", settings_to_toml(settings), result.attrs["settings"]),
+        ("settings", settings_to_toml(settings), _settings_text(result, type(settings))),
         ("specimen", _text(specimen, specimen), _text(result_specimen(result), specimen)),
     ):
         if mine != other:
@@ -182,6 +183,15 @@ def _check_milestones(
 def _text(specimen: Specimen, with_milestones_of: Specimen) -> str:
     milestones = with_milestones_of.prestretch.milestones
     return specimen_to_toml(specimen.with_milestones(milestones))
+
+
+def _settings_text(result: xr.Dataset, kind: Any) -> str:
+    """Return the settings of a file; those that its version did not have yet are the defaults."""
+    text = str(result.attrs["settings"])
+    try:
+        return settings_to_toml(settings_from(kind, parse_toml(text, "settings of the result")))
+    except InputError:
+        return text
 
 
 def _first_difference(mine: str, other: str) -> str:

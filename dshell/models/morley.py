@@ -116,8 +116,7 @@ class MorleyModel:
         layers = specimen_layers(self._specimen, self._mesh, stretch)
         if not self._walls:
             return Laminate(layers, self._quadratic)
-        materials = {layer.name: layer.material for layer in self._specimen.layers}
-        zones = wall_zones(layers, materials, self._walls, len(self._mesh.triangles))
+        zones = wall_zones(layers, self._walls, len(self._mesh.triangles))
         return Laminate(layers, self._quadratic, zones)
 
 

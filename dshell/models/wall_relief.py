@@ -15,9 +15,9 @@ share it,
 
   and the zone adds f m.T'C T m / 2 to their energy per area.
 
-The layers have their own laws; D, s0 and m of the zone are those of small strain about the natural
-state of each layer. That is exact to first order in the thickness over the width of a strip. At a
-rim m is zero, and nothing gives way.
+The layers have their own laws; D, s0 and m of the zone are linear between the natural state of each
+layer and the flat bonded one. That is exact to first order in the thickness over the width of a
+strip. At a rim m is zero, and nothing gives way.
 
 Two parts of the strain have such zones, s being what varies freely at the wall, t what does not:
 
@@ -30,13 +30,12 @@ as tanh q. St. Venant's torsion of a rectangle follows that within 3 % of the fu
 whatever its width.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.specimen.materials import Law
 from dshell.energies.through_thickness import ShellLayer
 from dshell.energies.wall_zones import WallZones
 from dshell.models.wall_faces import WallFaces
@@ -54,7 +53,6 @@ LEAST_GIVE = -0.5
 
 def wall_zones(
     layers: Sequence[ShellLayer],
-    materials: Mapping[str, Law],
     walls: Sequence[WallFaces],
     face_count: int,
 ) -> WallZones:
@@ -64,8 +62,6 @@ def wall_zones(
     ----------
     layers : sequence of ShellLayer
         From the bottom up, each with one prestretch on all its faces.
-    materials : mapping of str to Law
-        The law of each layer, by its name.
     walls : sequence of WallFaces
         Of the mesh of the layers.
     face_count : int
@@ -73,7 +69,7 @@ def wall_zones(
     """
     matrix, form = np.zeros((2, 7, 7, face_count))
     matrix[np.arange(7), np.arange(7)] = 1.0
-    sides = [_Sides.of(wall, layers, materials) for wall in walls]
+    sides = [_Sides.of(wall, layers) for wall in walls]
     for part in (_across, _along):
         share = np.zeros(face_count)
         for side in sides:
@@ -110,16 +106,10 @@ class _Sides:
     compliance: WallCompliance
 
     @classmethod
-    def of(
-        cls, wall: WallFaces, layers: Sequence[ShellLayer], materials: Mapping[str, Law]
-    ) -> "_Sides":
+    def of(cls, wall: WallFaces, layers: Sequence[ShellLayer]) -> "_Sides":
         """Return the sides of walls."""
         there, beyond = (
-            [
-                (_ply(layer, materials[layer.name], wall.ending), natural_strain(layer))
-                for layer in layers
-                if layer.name in names
-            ]
+            [_in_stack(layer, wall.ending) for layer in layers if layer.name in names]
             for names in (wall.there, wall.beyond)
         )
         return cls(wall, there, beyond, wall_compliance(tuple(ply for ply, _ in there)))
@@ -307,22 +297,31 @@ def _of_layers(part: _Part) -> list[tuple[Array, float]]:
     return found
 
 
-def _ply(layer: ShellLayer, material: Law, ending: frozenset[str]) -> Ply:
-    """Return a layer in the section across a wall."""
-    moduli = material.young_modulus, material.poisson_ratio
-    return Ply(layer.bottom, layer.top, *moduli, layer.name in ending)
+def _in_stack(layer: ShellLayer, ending: frozenset[str]) -> tuple[Ply, Array]:
+    """Return a layer in the section across a wall, and its natural strain.
+
+    It has the Poisson's ratio of its natural state. The modulus leads from there straight to its
+    stress in the flat bonded state, so it follows a large prestretch. Moduli along two axes of
+    different prestretch are averaged.
+    """
+    natural = natural_strain(layer)
+    tangent = layer.law.at(natural, layer.prestretch).tangent()[:, :, 0]
+    stress = layer.law.at(np.zeros((3, 1)), layer.prestretch).stress()[:, 0]
+    modulus = (tangent[0, 0] + tangent[1, 1]) / 2
+    ratio = tangent[0, 1] / modulus
+    linear = float(natural[:, 0] @ tangent @ natural[:, 0])
+    if linear > 0:
+        modulus *= -float(stress @ natural[:, 0]) / linear
+    moduli = float(modulus * (1 - ratio**2)), float(ratio)
+    return Ply(layer.bottom, layer.top, *moduli, layer.name in ending), natural
 
 
 def natural_strain(layer: ShellLayer) -> Array:
-    """Return the strain from the flat bonded state at which a layer has no stress, (3, k).
-
-    k is 1 if the prestretch is the same on all faces.
-    """
-    inverse = np.linalg.inv(np.moveaxis(layer.prestretch, 2, 0))
-    metric = np.moveaxis(inverse @ inverse, 0, 2)
-    strain = np.stack([(metric[0, 0] - 1) / 2, (metric[1, 1] - 1) / 2, metric[0, 1]])
+    """Return the strain from the flat bonded state at which a layer has no stress, (3, 1)."""
+    inverse = np.linalg.inv(layer.prestretch[:, :, 0])
+    metric = inverse @ inverse
+    strain = np.array([[metric[0, 0] - 1], [metric[1, 1] - 1], [2 * metric[0, 1]]]) / 2
     for _ in range(NATURAL_STEPS):  # one that is not hyperelastic has it elsewhere
         state = layer.law.at(strain, layer.prestretch)
-        tangent = np.moveaxis(state.tangent(), 2, 0)
-        strain = strain - np.linalg.solve(tangent, state.stress().T[:, :, None])[:, :, 0].T
+        strain = strain - np.linalg.solve(state.tangent()[:, :, 0], state.stress())
     return strain

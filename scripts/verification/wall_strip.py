@@ -72,10 +72,9 @@ def _laminate(mesh: PlanarMesh, relieves: bool) -> Laminate:
     layers = specimen_layers(specimen, mesh, (STRETCH, 1.0))
     if not relieves:
         return Laminate(layers, 1.0)
-    materials = {layer.name: layer.material for layer in specimen.layers}
     width = WALL_WIDTH * (SUBSTRATE.thickness + KIRIGAMI.thickness)
     walls = walls_of(mesh, width, mesh.boundary_edges)
-    return Laminate(layers, 1.0, wall_zones(layers, materials, walls, len(mesh.triangles)))
+    return Laminate(layers, 1.0, wall_zones(layers, walls, len(mesh.triangles)))
 
 
 def torsion(width: float) -> float:
@@ -93,7 +92,7 @@ def torsion(width: float) -> float:
     ends = ends[np.ptp(mesh.points[ends, 1], axis=1) == 0]
     layers = specimen_layers(specimen, mesh, (1.0, 1.0))
     walls = walls_of(mesh, WALL_WIDTH * thickness, ends)
-    zones = wall_zones(layers, {"substrate": layer.material}, walls, len(mesh.triangles))
+    zones = wall_zones(layers, walls, len(mesh.triangles))
     stiff = Laminate(layers, 1.0, zones).at(np.zeros((6, len(mesh.triangles)))).stiffness()[5, 5]
     full = layer.material.shear_modulus * thickness**3 / 12
     return float(mesh.areas @ stiff / mesh.areas.sum() / full)

@@ -124,3 +124,15 @@ def test_places_of_nodes_have_no_derivative(sheet, mesh):
 def test_a_bad_setting_is_named():
     with pytest.raises(InputError, match=r"solver\.walls = 'free': expected one of 'strained', "):
         MorleySettings(walls="free")
+
+
+def test_a_file_from_before_the_setting_is_taken_up(sheet, mesh, tmp_path):
+    file = tmp_path / "old.nc"
+    result = solve(sheet, "dshell", mesh=mesh, output=file)
+    lines = result.attrs["settings"].splitlines()
+    result.attrs["settings"] = "\n".join(line for line in lines if "walls" not in line)
+    bilayer.write_result(result, file)
+    again = solve(sheet, "dshell", mesh=mesh, resume=file)
+    assert np.array_equal(again.position, result.position)
+    with pytest.raises(InputError, match="another settings"):
+        solve(sheet, "dshell", RELIEVED, mesh=mesh, resume=file)
