@@ -21,6 +21,7 @@ from sheet_comparison.rows import (
     with_sensitivity,
 )
 from sheet_comparison.table import read_table, write_table
+from sheet_comparison.walls import WallRow, beside, is_missed, wall_rows
 
 from bilayer import ComputationError
 from bilayer.mesh.generation import estimated_triangles
@@ -35,21 +36,24 @@ def main(words: Sequence[str] | None = None) -> int:
                         help="file of the numbers, which are not computed again")  # fmt: skip
     parser.add_argument("--cross", type=Path, default=Path("results/any_sheet_cross.csv"),
                         help="file of the numbers of the thin cross by the shell")  # fmt: skip
+    parser.add_argument("--walls", type=Path, default=Path("results/any_sheet_walls.csv"),
+                        help="file of the numbers of the shell relieved at walls")  # fmt: skip
     parser.add_argument("--kept", type=Path, default=Path("results/any_sheet"),
                         help="folder of the results, which are not computed again")  # fmt: skip
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/any_sheet.md"),
                         help="the page that is written of them")  # fmt: skip
     options = parser.parse_args(words)
     options.kept.mkdir(parents=True, exist_ok=True)
-    rows = read_table(options.rows, Row)
+    rows, walls = read_table(options.rows, Row), read_table(options.walls, WallRow)
     for case in cases():
         rows = with_case(rows, case, options.kept, options.rows)
+        walls = with_walls(walls, rows, case, options.kept, options.walls)
     cross = read_table(options.cross, CrossRow)
     if not cross:
         cross = list(cross_rows(options.kept))
         write_table(options.cross, cross)
-    options.output.write_text(page(rows, cross))
-    missed = [row for row in on_finest_mesh(rows) if row.is_missed]
+    options.output.write_text(page(rows, cross, walls))
+    missed = [row for row in on_finest_mesh(rows) if is_missed(row, walls)]
     for row in missed:
         print(f"missed: {row}", file=sys.stderr)
     return 1 if missed else 0
@@ -82,6 +86,20 @@ def completed(case: Case, rows: Sequence[Row], kept: Path) -> list[Row]:
     if any(row.is_judged and np.isnan(row.sensitivity) and row.state == "both" for row in rows):
         return with_sensitivity(case, rows, kept)
     return list(rows)
+
+
+def with_walls(
+    walls: Sequence[WallRow], rows: Sequence[Row], case: Case, kept: Path, path: Path
+) -> list[WallRow]:
+    """Return the rows of the relieved shell with those of a case on all of its meshes."""
+    on_mesh = rows_on(rows, case)
+    if not on_mesh:
+        return list(walls)
+    missing = [row for row in on_mesh if row.is_known and beside(row, walls) is None]
+    if missing:
+        walls = [*walls, *wall_rows(case, missing, kept)]
+        write_table(path, walls)
+    return with_walls(walls, rows, case.finer, kept, path)
 
 
 def _line(row: Row) -> str:

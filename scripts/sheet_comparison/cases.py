@@ -43,7 +43,7 @@ FULL_SIZE = 0.04
 """Sheets that are thinner than this have a finer mesh in proportion, as they bend more."""
 FINER = 0.7
 """Mesh size of a repetition over the one before."""
-MOST_TRIANGLES = 9000
+MOST_TRIANGLES = 9500
 """Of a repetition: what the finite-element model does in a quarter of an hour."""
 MILESTONES, FARTHEST = (1.03, 1.06), 1.2
 THIN, TOLERANCE = 0.05, 0.005

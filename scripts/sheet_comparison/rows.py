@@ -56,6 +56,11 @@ class Row:
     gap: float
 
     @property
+    def is_known(self) -> bool:
+        """Return whether both solvers came to a shape."""
+        return bool(np.isfinite(self.distance))
+
+    @property
     def is_judged(self) -> bool:
         """Return whether the solvers must agree on it."""
         return self.thickness <= THIN + 1e-9 and self.prestretch < FARTHEST
@@ -83,14 +88,19 @@ def rows_of(case: Case, kept: Path) -> Iterator[Row]:
     """
     mesh = bilayer.generate_mesh(case.specimen)
     runs = Runs(case, mesh, kept)
-    shell, solid = runs.alone("dshell"), runs.alone("fenics")
-    for k, stretch in enumerate(case.specimen.prestretch.nominal):
-        own = [result.isel(prestretch=[k]) for result in (solid, shell)]
-        if case.is_thin:
-            pair = in_one_state(*own, TOLERANCE, partial(runs.led, stretch))
-        else:
-            pair = as_found(*own, TOLERANCE)
+    for stretch in case.specimen.prestretch.nominal:
+        pair = pair_at(stretch, runs)
         yield _row(case, stretch, mesh, pair, runs.sensitivity(stretch, pair.shell))
+
+
+def pair_at(stretch: float, runs: "Runs") -> Pair:
+    """Return both solvers at a milestone, of a thin sheet in one state."""
+    shell, solid = runs.alone("dshell"), runs.alone("fenics")
+    place = [runs.case.specimen.prestretch.nominal.index(stretch)]
+    own = [result.isel(prestretch=place) for result in (solid, shell)]
+    if runs.case.is_thin:
+        return in_one_state(*own, TOLERANCE, partial(runs.led, stretch))
+    return as_found(*own, TOLERANCE)
 
 
 def with_sensitivity(case: Case, rows: Sequence[Row], kept: Path) -> list[Row]:
@@ -139,6 +149,13 @@ class Runs:
         settings = AT_ONCE if solver == "fenics" else None
         return self._kept(specimen, solver, f"{solver}_led_{stretch:g}", settings, start)
 
+    def started(
+        self, stretch: float, name: str, settings: bilayer.MorleySettings, start: xr.Dataset
+    ) -> xr.Dataset:
+        """Return what the shell comes to at a milestone from a shape, with other settings."""
+        specimen = self.case.specimen.with_milestones([stretch])
+        return self._kept(specimen, "dshell", f"dshell_{name}_{stretch:g}", settings, start)
+
     def sensitivity(self, stretch: float, shell: xr.Dataset) -> float:
         """Return how far a shape of the shell moves with the moduli; NaN for a thick sheet."""
         if not self.case.is_thin:
@@ -154,7 +171,7 @@ class Runs:
         specimen: bilayer.Specimen,
         solver: SolverName,
         name: str,
-        settings: bilayer.SolidSettings | None = None,
+        settings: bilayer.SolidSettings | bilayer.MorleySettings | None = None,
         start: xr.Dataset | None = None,
     ) -> xr.Dataset:
         path = self.kept / f"{self.case.file_name}_{name}.nc"

@@ -14,6 +14,7 @@ from sheet_comparison.cross import SIZES, CrossRow, height_without_mesh, loses_s
 from sheet_comparison.page import page
 from sheet_comparison.rows import Row, on_finest_mesh, rows_on
 from sheet_comparison.table import read_table, write_table
+from sheet_comparison.walls import WallRow, beside, is_missed
 
 from bilayer import ComputationError, result_mesh
 
@@ -122,6 +123,36 @@ def test_the_solvers_are_compared_on_finer_meshes_while_they_disagree(tmp_path, 
     assert len(read_table(path, Row)) == 6
 
 
+def wall_row(**fields):
+    found = ("square", "bilayer", 0.05, 0, 1.03, 2.5e-3, 0.001, 0.35, 1.0, 0)
+    return replace(WallRow(*found), **fields)
+
+
+def test_the_relieved_shell_is_judged_beside_the_other_one():
+    walls = [wall_row(prestretch=1.06, distance=0.006), wall_row()]
+    assert beside(row(), walls) is walls[1]
+    assert not is_missed(row(distance=0.01), walls)
+    assert is_missed(row(prestretch=1.06), walls)
+    assert is_missed(row(sheet="ellipse"), walls)
+    assert not is_missed(row(thickness=0.1), walls)
+
+
+def test_the_relieved_shell_is_computed_where_it_is_missing(tmp_path, monkeypatch):
+    asked = []
+
+    def wall_rows(case, rows, kept):
+        asked.extend(rows)
+        return [wall_row(prestretch=found.prestretch) for found in rows]
+
+    monkeypatch.setattr(any_sheet, "wall_rows", wall_rows)
+    rows = [row(), row(prestretch=1.06), row(prestretch=1.2, distance=np.nan)]
+    case, path = Case("square", "bilayer", 0.05), tmp_path / "walls.csv"
+    walls = any_sheet.with_walls([wall_row()], rows, case, tmp_path, path)
+    assert asked == rows[1:2]
+    assert [found.prestretch for found in walls] == [1.03, 1.06]
+    assert read_table(path, WallRow) == walls
+
+
 def test_a_case_that_lacks_a_milestone_is_computed(tmp_path, monkeypatch):
     both = [row(prestretch=stretch) for stretch in MILESTONES]
     monkeypatch.setattr(any_sheet, "rows_of", lambda case, kept: both)
@@ -166,4 +197,5 @@ def test_the_limit_of_finer_meshes(order):
 def test_the_page_is_that_of_the_numbers_that_are_kept():
     rows = read_table(ROOT / "results" / "any_sheet.csv", Row)
     cross = read_table(ROOT / "results" / "any_sheet_cross.csv", CrossRow)
-    assert page(rows, cross) == (ROOT / "docs" / "any_sheet.md").read_text()
+    walls = read_table(ROOT / "results" / "any_sheet_walls.csv", WallRow)
+    assert page(rows, cross, walls) == (ROOT / "docs" / "any_sheet.md").read_text()
