@@ -11,6 +11,7 @@ from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.bonding import check_no_gap
 from bilayer.mesh.parts import clamped_edges
 from bilayer.mesh.planar import PlanarMesh
+from bilayer.specimen.relaxation import ELASTIC
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
@@ -126,7 +127,13 @@ def _rigid_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list
 
 
 def _relieved_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list[WallFaces]:
-    """Return the faces beside all walls that are not clamped."""
+    """Return the faces beside all walls that are not clamped; InputError if a layer relaxes."""
+    for layer in specimen.layers:
+        if layer.relaxation != ELASTIC:
+            raise InputError(
+                f"solver.walls = 'relieved': the layer {layer.name} relaxes, which zones beside "
+                "walls do not; expected 'strained'"
+            )
     width = WALL_WIDTH * sum(layer.thickness for layer in specimen.layers)
     return walls_of(mesh, width, clamped)
 

@@ -9,6 +9,7 @@ from verification import derivatives, wall_strip
 
 import bilayer
 from bilayer import InputError, MeshSize, PlanarMesh, generate_mesh, solve
+from bilayer.specimen.relaxation import PronySeries
 from dshell import MorleySettings
 from dshell.models.morley import MorleyModel
 from dshell.models.wall_faces import walls_of
@@ -119,6 +120,12 @@ def test_places_of_nodes_have_no_derivative(sheet, mesh):
     state = derivatives.rough_dome(mesh, model.extra_dofs)
     with pytest.raises(InputError, match=r"solver\.walls = 'relieved'"):
         model.flat_gradient(STRETCH, state)
+
+
+def test_a_layer_that_relaxes_is_refused(sheet, mesh):
+    relaxing = sheet.with_layer("substrate", relaxation=PronySeries([(0.3, 10.0)]))
+    with pytest.raises(InputError, match="the layer substrate relaxes"):
+        MorleyModel(relaxing, mesh, RELIEVED)
 
 
 def test_a_bad_setting_is_named():
