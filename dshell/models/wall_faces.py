@@ -15,6 +15,9 @@ from bilayer.mesh.planar import PlanarMesh
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
+ALIKE = 1e-6
+"""Difference of two densities over the larger one that is none."""
+
 
 @dataclass(frozen=True, eq=False)
 class SharingFaces:
@@ -143,10 +146,14 @@ def _shared(
     wall = np.concatenate([wall, np.arange(len(edges))])
     wall, face = np.unique(np.stack([wall, np.concatenate([face, beside])]), axis=1)
     share = length[wall] / np.bincount(wall, mesh.areas[face])[wall]
-    faces, place = np.unique(face, return_inverse=True)
+    faces, first, place = np.unique(face, return_index=True, return_inverse=True)
     x, y = outward[wall].T
     parts = [np.bincount(place, share * each) for each in (x * x, x * y, x * y, y * y)]
     density, normals = np.linalg.eigh(np.stack(parts, axis=1).reshape(-1, 2, 2))
+    # in a corner of two equal walls all directions are alike, and round-off would choose
+    alike = np.flatnonzero(density[:, 1] - density[:, 0] <= ALIKE * density[:, 1])
+    x, y = outward[wall[first[alike]]].T
+    normals[alike] = np.stack([x, -y, y, x], axis=1).reshape(-1, 2, 2)
     return SharingFaces(faces, normals.transpose(1, 2, 0), density.T)
 
 
