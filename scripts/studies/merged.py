@@ -17,12 +17,12 @@ def with_contact(plain: xr.Dataset, pressing: xr.Dataset | None = None) -> xr.Da
         The study without contact.
     pressing : Dataset, optional
         With contact, of some of the cases and others, up to some of the prestretches. Only points
-        that were reached count, and only if those without contact touch themselves or are missing.
+        that were reached count, and only if the one without contact touches itself or is missing.
     """
     if pressing is None or "converged" not in pressing:  # none of it is computed
         return plain
-    touching = plain["converged"].copy(data=touches_itself(plain))
-    is_due = touching.reindex_like(pressing["converged"], fill_value=True)
+    wanting = plain["converged"].copy(data=touches_itself(plain)) | (plain["converged"] != 1)
+    is_due = wanting.reindex_like(pressing["converged"], fill_value=True)
     names = [name for name in plain.coords if name not in plain.dims and name in pressing]
     labels = (study[names].reset_coords() for study in (plain, pressing))
     taken = pressing.where(is_due & (pressing["converged"] == 1)).drop_vars(names)
