@@ -12,7 +12,7 @@ import bilayer
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
-WIDTH = 100
+WIDTH, WIDTH_OF_PRINTED_TABLES = 100, 120
 README_WORDS = 900
 PACKAGES = ("bilayer", "dshell", "fenics_model")
 FOLDERS = (*PACKAGES, "scripts", "tests", "docs", "docker", "results")
@@ -99,6 +99,12 @@ def test_named_modules_exist(page):
 def test_lines_fit(page):
     for line in prose(page).splitlines():
         assert len(line) <= WIDTH or line.startswith(("|", "![")), line
+
+
+@each_page
+def test_printed_tables_fit(page):
+    for line in page.read_text(encoding="utf-8").splitlines():
+        assert len(line) <= WIDTH_OF_PRINTED_TABLES or line.startswith(("|", "![")), line
 
 
 def test_readme_is_short():

@@ -11,7 +11,7 @@ from bilayer.cli.outputs import Check, check_output
 from bilayer.cli.parser import add_trust_argument, add_verb
 from bilayer.errors import InputError
 from bilayer.exports.conversion import convert, convert_milestones, milestone_names
-from bilayer.exports.frame import FRAMES, UNITS, Axes
+from bilayer.exports.frame import FRAMES, IN_MM, UNITS, Axes, usual_unit
 from bilayer.exports.series import ENDING as SERIES
 from bilayer.exports.series import convert_series, series_names
 from bilayer.exports.solid import SOLIDS, check_solid_output, convert_solid
@@ -55,7 +55,10 @@ def add(verbs: Any) -> None:
     verb.add_argument(
         "--fields", action="store_true", help="with strains, stresses, curvatures (docs/fields.md)"
     )
-    verb.add_argument("--unit", choices=list(UNITS), help="of lengths (default: m, of a solid mm)")
+    verb.add_argument(
+        "--unit", choices=list(UNITS),
+        help=f"of lengths (default: m; mm of a solid and in {' '.join(IN_MM)})",
+    )  # fmt: skip
     verb.add_argument(
         "--frame", choices=FRAMES,
         help="result: places as in it; body: each shape apex up in its own frame, the default of "
@@ -104,7 +107,7 @@ def _write_series(result: xr.Dataset, options: argparse.Namespace) -> None:
 
 
 def _write_shapes(result: xr.Dataset, options: argparse.Namespace) -> None:
-    axes = Axes(options.frame or "result", options.unit or "m")
+    axes = Axes(options.frame or "result", options.unit or usual_unit(options.output))
     if options.all:
         check_output(options, check_mesh_output, milestone_names(result, options.output))
     fields = result_fields(result, options) if options.fields else None

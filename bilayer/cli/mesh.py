@@ -56,11 +56,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _draw_beside(mesh: PlanarMesh, output: Path, options: argparse.Namespace) -> None:
-    """Draw the mesh beside its file, unless something else has that name."""
+    """Draw mesh.msh as mesh.msh.png; a result of that name has its picture in mesh.png."""
     from bilayer.figures import draw_mesh, save_figure  # matplotlib takes half a second
     from bilayer.figures.saving import check_figure_output, has_title
 
-    picture = output.with_suffix(".png")
+    picture = output.with_name(f"{output.name}.png")
     if picture.exists() and not has_title(picture, TITLE):
         tell(f"bilayer: {picture} is there and is no picture of a mesh: not drawn")
         return

@@ -39,7 +39,19 @@ class Parser(argparse.ArgumentParser):
             options = list(self._option_string_actions)
             name = unknown[0].partition("=")[0]
             self.error(f"unknown option {name}{nearest(name, options)}")
+        if rest:
+            self._refuse_further_words(vars(known), rest)
         return known, rest
+
+    def _refuse_further_words(self, values: Mapping[str, Any], rest: list[str]) -> NoReturn:
+        """End with an error that says what was taken, and which words are too many."""
+        taken = [
+            f"{action.dest} = {given}"
+            for action in self._actions
+            if not action.option_strings and isinstance(given := values.get(action.dest), str)
+        ]
+        after = f" after {', '.join(taken)}" if taken else ""
+        self.error(f"{' '.join(rest)}: expected options alone{after}")
 
     def _check_words(self, values: Mapping[str, Any]) -> None:
         """End with an error if a word is empty, or holds what no name of a file can hold."""

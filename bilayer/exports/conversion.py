@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.exports.frame import Axes
+from bilayer.exports.frame import Axes, usual_unit
 from bilayer.exports.shapes import PARTS, MeshData
 from bilayer.mesh.files import check_mesh_output, write_mesh_file
 from bilayer.results.milestones import along_milestones
@@ -21,8 +21,6 @@ from bilayer.validation import one_of
 if TYPE_CHECKING:
     import meshio
 
-AS_IN_RESULT = Axes()
-
 
 def convert(
     result: xr.Dataset,
@@ -31,7 +29,7 @@ def convert(
     part: str = "midsurface",
     *,
     fields: xr.Dataset | None = None,
-    axes: Axes = AS_IN_RESULT,
+    axes: Axes | None = None,
 ) -> None:
     """Write one shape in any format that meshio writes, chosen by the file's ending.
 
@@ -51,8 +49,8 @@ def convert(
         What to write.
     fields : Dataset, optional
         Those of the result, from `bilayer.fields`, to be written as data.
-    axes : Axes
-        Frame and unit; those of the result (m) if left out.
+    axes : Axes, optional
+        Frame and unit; if left out the frame of the result, in m, in `.stl .obj .ply .off` in mm.
 
     Raises
     ------
@@ -85,7 +83,7 @@ def convert_milestones(
     part: str = "midsurface",
     *,
     fields: xr.Dataset | None = None,
-    axes: Axes = AS_IN_RESULT,
+    axes: Axes | None = None,
 ) -> list[Path]:
     """Write every shape that was reached, each to a file of its own; see `convert`.
 
@@ -131,9 +129,11 @@ def write_shape(
     milestone: int,
     part: str,
     fields: xr.Dataset | None,
-    axes: Axes,
+    axes: Axes | None,
 ) -> None:
     """Write the milestone of a place; see `convert`."""
+    if axes is None:
+        axes = Axes(unit=usual_unit(path))
     write_mesh_file(as_meshio(shape_data(result, milestone, part, fields, axes)), path)
 
 

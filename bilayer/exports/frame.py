@@ -1,6 +1,7 @@
 """The axes and the unit in which a shape is written."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,13 @@ Array = NDArray[np.float64]
 UNITS = {"m": 1.0, "mm": 1e3}
 """Units of length, with the number of them in a metre."""
 FRAMES = ("result", "body")
+IN_MM = (".stl", ".obj", ".ply", ".off")
+"""Endings of the formats of slicers and scanners. They say no unit, and mm is what is meant."""
+
+
+def usual_unit(path: str | Path) -> str:
+    """Return the unit of lengths in a file if none is asked for, by its ending: "mm" or "m"."""
+    return "mm" if Path(path).suffix.lower() in IN_MM else "m"
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bilayer.contact.skin import BondedBody, skin_of
 from bilayer.errors import ComputationError
 from bilayer.exports.conversion import reached
-from bilayer.exports.frame import UNITS, Axes
+from bilayer.exports.frame import IN_MM, UNITS, Axes
 from bilayer.geometry.surface import Surface
 from bilayer.mesh.files import write_mesh_data
 from bilayer.results.milestones import along_milestones
@@ -29,9 +29,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-BY_MESHIO = (".stl", ".obj", ".ply", ".off")
 BY_TRIMESH = (".glb", ".3mf")
-SOLIDS = (*BY_MESHIO, *BY_TRIMESH)
+SOLIDS = (*IN_MM, *BY_TRIMESH)
 """Endings of the formats of solids."""
 IN_METRES = (".glb",)
 """Formats that are in m by their own rules; glTF also has y upward."""

@@ -24,7 +24,7 @@ from bilayer.results.schema import (
     result_mesh,
     result_specimen,
 )
-from bilayer.results.table import cells, stretch_text, stretches, time_column
+from bilayer.results.table import as_shown, cells, stretch_text, stretches, time_column
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.doubts import doubts
 from bilayer.specimen.layer import BondedLayer, Response
@@ -71,8 +71,9 @@ def load_columns(result: xr.Dataset) -> dict[tuple[str, str], list[str]]:
     for load in result_specimen(result).loads:
         for name in (f"{LOAD}{load.name}", f"{RESPONSE}{load.name}"):
             if name in result.variables:
-                unit = result[name].attrs.get("units", "")
-                columns[load.name, unit] = cells(result[name].values, "{:.4g}")
+                told = result[name].attrs.get("units", "")
+                values, unit = as_shown(result[name].values, told)
+                columns[load.name, unit] = cells(values, "{:.4g}")
     return columns
 
 

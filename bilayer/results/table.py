@@ -33,13 +33,19 @@ def shape_title(milestone: xr.Dataset) -> str:
     return f"{title}, {float(milestone['time']):g} s" if "time" in milestone.variables else title
 
 
+def as_shown(values: NDArray[np.float64], unit: str) -> tuple[NDArray[np.float64], str]:
+    """Return numbers of a load and their unit as tables and titles have them: lengths in mm."""
+    return (1e3 * values, "mm") if unit == "m" else (values, unit)
+
+
 def load_titles(result: xr.Dataset) -> list[str]:
     """Return the loads that differ between milestones, at each: ", tip -0.002 N", or ""."""
     titles = [""] * result.sizes["prestretch"]
     for name, load in result.coords.items():
         values = np.atleast_1d(load.values)
         if str(name).startswith("load_") and len(set(cells(values, "{:.17g}"))) > 1:
-            words = [FREE if np.isnan(v) else f"{v:.4g} {load.attrs['units']}" for v in values]
+            numbers, unit = as_shown(values, load.attrs["units"])
+            words = [FREE if np.isnan(v) else f"{v:.4g} {unit}" for v in numbers]
             title = f", {str(name).removeprefix('load_')} "
             titles = [f"{t}{title}{word}" for t, word in zip(titles, words, strict=True)]
     return titles
@@ -52,10 +58,13 @@ def milestone_text(specimen: Specimen, milestone: Milestone) -> str:
 
 def load_words(specimen: Specimen, milestone: Milestone) -> list[str]:
     """Return the loads at a milestone, a few words each: "blow 120 Pa", "poke free"."""
-    values = zip(specimen.loads, milestone[2:], strict=True)
+    shown = [
+        (load.name, *as_shown(np.array(value), load.unit))
+        for load, value in zip(specimen.loads, milestone[2:], strict=True)
+    ]
     return [
-        f"{load.name} {FREE if np.isnan(value) else f'{value:.6g} {load.unit}'}"
-        for load, value in values
+        f"{name} {FREE if np.isnan(number) else f'{number:.6g} {unit}'}"
+        for name, number, unit in shown
     ]
 
 

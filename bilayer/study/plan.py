@@ -24,7 +24,14 @@ from bilayer.specimen.settings import check_plain, settings_from
 from bilayer.specimen.toml import parse_specimen_file
 from bilayer.specimen.toml_text import parse_toml
 from bilayer.study.case import Case
-from bilayer.study.variation import Row, check_count, product_rows, sampled_rows, zipped_rows
+from bilayer.study.variation import (
+    Row,
+    check_count,
+    named_fields,
+    product_rows,
+    sampled_rows,
+    zipped_rows,
+)
 from bilayer.validation import nearest, one_of, shown
 
 KEYS = ("specimen", "solver", "settings", "vary", "zip", "sample")
@@ -188,9 +195,9 @@ def _settings_tables(given: Mapping[str, Any], solvers: Iterable[str]) -> dict[s
 
 def _varied_rows(tables: Mapping[str, Any]) -> list[Row]:
     parts = [
-        product_rows(tables.get("vary", {})),
-        zipped_rows(tables.get("zip", {})),
-        sampled_rows(tables.get("sample", {})),
+        product_rows(named_fields(tables.get("vary", {}))),
+        zipped_rows(named_fields(tables.get("zip", {}))),
+        sampled_rows(named_fields(tables.get("sample", {}))),
     ]
     check_count(math.prod(map(len, parts)))
     names = [name for rows in parts for name in rows[0]]

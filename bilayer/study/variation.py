@@ -33,6 +33,23 @@ def check_count(count: int) -> None:
         )
 
 
+def named_fields(table: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Return a table of a study file by dotted names.
+
+    To TOML, `cut.strips = [4, 5]` without quotes is a table within a table; here it is the field
+    "cut.strips", as with them.
+    """
+    fields: dict[str, Any] = {}
+    for key, value in table.items():
+        if isinstance(value, Mapping) and any(
+            isinstance(v, (list, Mapping)) for v in value.values()
+        ):
+            fields |= named_fields(value, f"{before}{key}.")  # no range: that has numbers alone
+        else:
+            fields[f"{before}{key}"] = value
+    return fields
+
+
 def product_rows(table: Mapping[str, Any]) -> list[Row]:
     """Return the product of the fields' values, the last field running fastest.
 

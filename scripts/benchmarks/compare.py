@@ -21,9 +21,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from benchmarks.compared_cases import CASES
+from benchmarks.page import table_text
 from bilayer.errors import ComputationError, InputError
 from bilayer.runtime.output_file import whole_file
 
@@ -154,18 +154,20 @@ def table(found: Sequence[Comparison]) -> str:
         {
             "what": CASES[one.case].text,
             "against": one.earlier_revision,
-            "CPU s": f"{_middle(one.earlier, 'cpu'):.2f} -> {_middle(one.now, 'cpu'):.2f}",
+            "CPU s": f"{_middle(one.earlier, 'cpu'):.2f}→{_middle(one.now, 'cpu'):.2f}",
             "ratio": _spread(one.ratios("cpu")),
             "iterations": _counts(one, "iterations"),
-            "factorisations": _counts(one, "factorisations"),
-            "GB": f"{_middle(one.earlier, 'gigabytes'):.2f} -> {_middle(one.now, 'gigabytes'):.2f}",
-            "results differ by": _power(one.largest_difference()),
+            "factori- sations": _counts(one, "factorisations"),
+            "GB": f"{_middle(one.earlier, 'gigabytes'):.2f}→{_middle(one.now, 'gigabytes'):.2f}",
+            "apart": _power(one.largest_difference()),
         }
         for one in found
     ]
-    return "The earlier revision -> this one; ratio of the CPU time, (least to most)\n" + (
-        pd.DataFrame(rows).to_string(index=False)
+    title = (
+        "The earlier revision → this one; ratio of the CPU time (least, most), and how far results "
+        "are apart"
     )
+    return f"{title}\n{table_text(rows)}"
 
 
 def keep(found: Sequence[Comparison], folder: Path = KEPT) -> list[Comparison]:
@@ -235,12 +237,12 @@ def _middle(costs: Sequence[dict[str, Any]], quantity: str) -> float:
 
 
 def _spread(ratios: Sequence[float]) -> str:
-    return f"{statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
+    return f"{statistics.median(ratios):.2f} ({min(ratios):.2f}, {max(ratios):.2f})"
 
 
 def _counts(one: Comparison, quantity: str) -> str:
     before, now = one.earlier[0][quantity], one.now[0][quantity]
-    return "" if before is None or now is None else f"{before} -> {now}"
+    return "" if before is None or now is None else f"{before}→{now}"
 
 
 def _power(difference: float | None) -> str:

@@ -14,13 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 
 import bilayer
+from benchmarks.page import table_text
 from benchmarks.sections import least_cpu
 from bilayer import MeshSize, generate_mesh, open_result, paper_specimen, specimen_to_toml
 from bilayer.mesh.planar import PlanarMesh
@@ -69,7 +69,7 @@ def tables(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _titled(title: str, rows: Sequence[dict[str, str]]) -> str:
-    return f"{title}\n{pd.DataFrame(rows).to_string(index=False)}"
+    return f"{title}\n{table_text(rows)}"
 
 
 def iterations(specimen: Specimen, folder: Path) -> list[dict[str, str]]:
@@ -120,10 +120,10 @@ def effort(case: str, result: xr.Dataset, spent: float) -> dict[str, str]:
         "sum": str(counts.sum()),
         "must": "",
         "aim": "",
-        "factorisations": str(int(result["factorisations"].sum())),
+        "factori- sations": str(int(result["factorisations"].sum())),
         "unstable": str(int(result["unstable_modes"].max())),
         "assembly s": f"{assembly:.1f}",
-        "factorisation s": f"{factorisation:.1f}",
+        "factori- sation s": f"{factorisation:.1f}",
         "rest s": f"{total - assembly - factorisation:.1f}",
         "process s": f"{spent:.1f}",
         "from one start or rank": "",

@@ -1,8 +1,20 @@
 """A page of prose in which each benchmark keeps the tables of its last run."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
 
 from bilayer.errors import InputError
+
+
+def table_text(rows: Sequence[Mapping[str, str]]) -> str:
+    """Return rows as a table whose titles stand a word a line, so that it fits a page."""
+    frame = pd.DataFrame(rows)
+    titles = [title.split() for title in frame.columns]
+    height = max(map(len, titles))
+    lines = [(*[""] * (height - len(words)), *words) for words in titles]
+    frame.columns = pd.MultiIndex.from_tuples(lines)
+    return frame.to_string(index=False)
 
 
 def with_part(page: str, name: str, texts: Sequence[str]) -> str:

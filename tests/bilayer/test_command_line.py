@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -57,7 +58,14 @@ def test_init_prints_the_template_that_solve_reads(bilayer_command, tmp_path):
     meshed = bilayer_command("mesh", "s.toml", "-o", "mesh.msh", *COARSE)
     assert meshed.returncode == 0, meshed.stderr
     assert re.match(r"\d+ nodes, \d+ triangles, \d+ of them kirigami\n$", meshed.stdout)
-    assert {path.name for path in tmp_path.iterdir()} == {"s.toml", "mesh.msh", "mesh.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {"s.toml", "mesh.msh", "mesh.msh.png"}
+
+
+def test_the_pictures_of_a_mesh_and_of_a_result_of_one_name_are_two(folder):
+    assert main(["mesh", "specimen.toml", "-o", "s.msh", "--quiet", *COARSE]) == 0
+    assert main([*SHELL, "--prestretch", "1.02", "-o", "s.nc", "--plot", "--quiet"]) == 0
+    mesh, shapes = (Path(name).read_bytes() for name in ("s.msh.png", "s.png"))
+    assert mesh != shapes
 
 
 def test_a_closed_pipe_is_no_error(tmp_path):
@@ -133,6 +141,7 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
             [*MORLEY, "-o", "a.nc", "--set", "kirigami.law=rubber"],
             "kirigami.law = 'rubber': expected one of 'mooney-rivlin', 'neo-hookean', 'linear'",
         ),
+        ([*SHELL, "b.toml"], r"b\.toml: expected options alone after specimen = specimen\.toml"),
         ([*SHELL, "-o", "a.nc", "--model", "papr"], "model = 'papr': .*did you mean 'paper'"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "-1"], "expected a number greater than 0"),
         ([*SHELL, "-o", "a.nc", "--prestretch", "nan"], "expected a finite number"),

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 from made_results import cap_result
@@ -12,6 +13,7 @@ from sheets import EXAMPLE_SPECIMENS
 import bilayer
 from bilayer import ComputationError, InputError
 from bilayer.cli.main import main
+from bilayer.exports.conversion import convert
 from bilayer.exports.frame import Axes
 from bilayer.exports.series import convert_series
 from bilayer.exports.solid import SOLIDS, convert_solid, solid_of
@@ -151,6 +153,21 @@ def test_convert_on_the_command_line(caps, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "a.pvd", "a.stl", "a_0.vtu", "a_1.vtu", "caps.nc"
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "scale"),
+    [("a.stl", [], 1e3), ("a.ply", ["--unit", "m"], 1.0), ("a.vtu", [], 1.0), ("a.OFF", [], 1e3)],
+)
+def test_formats_of_slicers_and_scanners_are_in_mm(caps, tmp_path, name, words, scale):
+    write_result(caps, tmp_path / "caps.nc")
+    written = tmp_path / name
+    assert main(["convert", str(tmp_path / "caps.nc"), "-o", str(written), "--quiet", *words]) == 0
+    flat = np.ptp(caps["position"].sel(prestretch=1.06).values[:, 0])
+    assert np.ptp(meshio.read(written).points[:, 0]) == pytest.approx(scale * flat, rel=1e-5)
+    if not words:
+        convert(caps, tmp_path / f"again{name}")
+        assert (tmp_path / f"again{name}").read_bytes() == written.read_bytes()
 
 
 def test_endings_are_checked(caps, tmp_path):

@@ -79,6 +79,7 @@ def test_milestones_are_the_prestretch_and_each_load(plate):
     assert plate.milestones[1] == (1.0, 1.0, 50.0, 0.001, 1.0)
     assert math.isnan(plate.milestones[0][3])
     assert milestone_text(plate, plate.milestones[0]) == "1, blow 0 Pa, poke free, pull 1 N/m"
+    assert milestone_text(plate, plate.milestones[1]) == "1, blow 50 Pa, poke 1 mm, pull 1 N/m"
     single = plate.at_milestone(plate.milestones[0])
     assert [load.values for load in single.loads] == [(0.0,), ("free",), (1.0,)]
 

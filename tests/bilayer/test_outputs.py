@@ -297,23 +297,25 @@ def test_a_file_system_without_locks(tmp_path):
 
 def test_the_picture_of_a_mesh_replaces_no_other_picture(folder, capsys):
     words = ["mesh", "s.toml", "-o", "uncut.msh"]
-    (folder / "uncut.png").write_bytes(b"an unrelated picture")
+    (folder / "uncut.msh.png").write_bytes(b"an unrelated picture")
     assert main(words) == 0
-    assert "uncut.png is there and is no picture of a mesh: not drawn" in capsys.readouterr().err
-    assert (folder / "uncut.png").read_bytes() == b"an unrelated picture"
-    assert main(["plot", "r.nc", "-o", "uncut.png"]) == 0
-    drawn = (folder / "uncut.png").read_bytes()
+    assert (
+        "uncut.msh.png is there and is no picture of a mesh: not drawn" in capsys.readouterr().err
+    )
+    assert (folder / "uncut.msh.png").read_bytes() == b"an unrelated picture"
+    assert main(["plot", "r.nc", "-o", "uncut.msh.png"]) == 0
+    drawn = (folder / "uncut.msh.png").read_bytes()
     assert main(words) == 0
-    assert (folder / "uncut.png").read_bytes() == drawn
+    assert (folder / "uncut.msh.png").read_bytes() == drawn
 
 
 def test_the_picture_of_a_mesh_is_drawn_anew(folder, capsys):
     words = ["mesh", "s.toml", "-o", "uncut.msh", "--quiet"]
     assert main(words) == 0
-    first = (folder / "uncut.png").read_bytes()
+    first = (folder / "uncut.msh.png").read_bytes()
     assert main([*words, "--mesh-size", "8 mm"]) == 0
     assert capsys.readouterr().err == ""
-    assert (folder / "uncut.png").read_bytes() != first
+    assert (folder / "uncut.msh.png").read_bytes() != first
 
 
 def test_the_numbers_of_another_file_are_not_replaced_by_a_companion(folder, capsys):

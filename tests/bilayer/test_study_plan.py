@@ -31,6 +31,19 @@ def test_the_product_of_lists_and_ranges(plan):
     assert {c.model for c in study.cases} == {"morley"}
 
 
+def test_names_of_fields_need_no_quotes(plan):
+    quoted = (
+        '[vary]\n"cut.strips" = [3, 4]\n'
+        '"cut.cutout_angle" = { start = 0.1, stop = 0.3, num = 2 }\n'
+        '[sample]\nn = 2\nseed = 1\n"substrate.young_modulus" = { low = 1e5, high = 2e5 }\n'
+    )
+    with_quotes, without = plan(HEAD + quoted), plan(HEAD + quoted.replace('"', ""))
+    assert [c.identity for c in without.cases] == [c.identity for c in with_quotes.cases]
+    assert without.fields == with_quotes.fields
+    with pytest.raises(InputError, match=r"cut\.stripes"):
+        plan(HEAD + "[vary]\ncut.stripes = [3]")
+
+
 def test_a_range_is_the_list_of_the_same_numbers():
     assert product_rows({"a.b": {"start": 3, "stop": 8, "num": 6}}) == [
         {"a.b": n} for n in (3, 4, 5, 6, 7, 8)

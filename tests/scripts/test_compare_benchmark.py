@@ -32,8 +32,8 @@ def test_ratios_are_of_one_turn_and_the_difference_is_relative():
     assert one.largest_difference() == pytest.approx(0.2)
     assert comparison(numbers=(2.0, 5.0)).largest_difference() == 0.0
     text = compare.table([one])
-    assert "1.00 (0.50 to 1.50)" in text
-    assert "7 -> 7" in text
+    assert "1.00 (0.50, 1.50)" in text
+    assert "7→7" in text
     assert "2e-01" in text
 
 
