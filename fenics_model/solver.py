@@ -4,9 +4,10 @@ The planar mesh is extruded through all layers, a layer's prestretch is its natu
 Newton's method follows the equilibria while it changes. dolfinx is loaded by `open_path` alone.
 """
 
+import sys
 from typing import Any
 
-from bilayer.errors import ComputationError, InputError
+from bilayer.errors import ComputationError, InputError, MachineError
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.runtime.petsc import start_petsc
 from bilayer.runtime.progress import Progress
@@ -30,6 +31,7 @@ def open_path(
     `bilayer.specimen.support`. The shapes of `start` are the initial guesses. If one cannot be made
     or does not lead to a stable equilibrium, load steps are taken instead.
     """
+    _need_docstrings()
     start_petsc()  # before dolfinx does it, with the options of the user's environment
     try:
         import dolfinx.fem.petsc  # noqa: F401
@@ -45,6 +47,15 @@ def open_path(
     if not isinstance(settings, SolidSettings):
         raise InputError(f"settings = {settings!r}: expected SolidSettings")
     return open_solid_path(specimen, settings, mesh=mesh, start=start, comm=comm, progress=progress)
+
+
+def _need_docstrings() -> None:
+    """Raise MachineError under `python -OO`: the parser of the compiled forms is made of them."""
+    if sys.flags.optimize > 1:
+        raise MachineError(
+            "the finite-element model needs the docstrings of Python's modules: start Python "
+            "without -OO or PYTHONOPTIMIZE=2"
+        )
 
 
 SOLVER = Solver(

@@ -6,7 +6,6 @@ file names in turn.
 
 import argparse
 import os
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
 from bilayer.runtime.terminal import tell
+from bilayer.specimen.toml_text import parse_toml
 
 SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 Check = Callable[[str | Path, Iterable[str | Path]], Any]
@@ -104,8 +104,8 @@ def _file_and_those_it_names(word: str, folder: Path) -> Iterator[Path]:
 def _tables(path: Path) -> Any:
     """Return what a file holds; nothing if it is damaged, which its reader will tell."""
     try:
-        return tomllib.loads(read_text(path, "file"))
-    except (InputError, ValueError, RecursionError):
+        return parse_toml(read_text(path, "file"), str(path))
+    except InputError:
         return {}
 
 

@@ -14,7 +14,7 @@ _OF_MEMORY = re.compile(
     re.IGNORECASE,
 )
 """In the words of PETSc, MUMPS, HDF5, gmsh and the system."""
-_OF_THE_COMPILER = ("cffi", "distutils", "setuptools", "_distutils_hack")
+_OF_THE_COMPILER = ("cffi", "ply", "pycparser", "distutils", "setuptools", "_distutils_hack")
 """Packages that compile the finite-element forms."""
 
 

@@ -21,6 +21,11 @@ from bilayer.validation import finite, keep, listed, not_negative, positive, who
 
 SEGMENTS = 720
 """Lines that stand for a full turn of an arc: 1e-5 of the radius from it."""
+MOST_SIDES = 10_000
+LARGEST_ANGLE = 1000.0
+"""By which an outline may be turned, rad."""
+LARGEST_RATIO = 1e6
+"""Of the sides of a rectangle: beyond it, corners fall together within round-off."""
 
 Ring = tuple[tuple[float, float], ...]
 
@@ -188,6 +193,11 @@ class Rectangle(Outline):
         keep(self, positive, "width", "height", unit="m")
         keep(self, not_negative, "corner_radius", unit="m")
         half = min(self.width, self.height) / 2
+        if max(self.width, self.height) > LARGEST_RATIO * 2 * half:
+            raise InputError(
+                f"width = {self.width:g} m: expected at most {LARGEST_RATIO:g} times the height "
+                f"{self.height:g} m, and no less than that part of it"
+            )
         if self.corner_radius > half:
             raise InputError(
                 f"corner_radius = {self.corner_radius} m: expected at most half of the shorter "
@@ -247,9 +257,14 @@ class RegularPolygon(Outline):
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        keep(self, whole, "sides", at_least=3)
+        keep(self, whole, "sides", at_least=3, at_most=MOST_SIDES)
         keep(self, positive, "outer_radius", unit="m")
         keep(self, finite, "angle")
+        if abs(self.angle) > LARGEST_ANGLE:  # the next digit of a float would be the whole turn
+            raise InputError(
+                f"angle = {self.angle:g} rad: expected one between -{LARGEST_ANGLE:g} and "
+                f"{LARGEST_ANGLE:g}"
+            )
 
     @cached_property
     def polygon(self) -> shapely.Polygon:  # noqa: D102

@@ -20,6 +20,7 @@ from bilayer.specimen.outline import Disc, Outline, Ring, Symmetry, arc, ring, r
 from bilayer.validation import finite, keep, listed, not_negative, one_of, positive, whole
 
 KEPT_OR_CUT = ("kept", "cut")
+MOST_STRIPS = 1000
 
 
 class Pattern(Protocol):
@@ -428,7 +429,7 @@ def turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
 def _check_strips(pattern: Any) -> None:
     if pattern.strips == 0:
         raise InputError("strips = 0: leave the pattern out for a whole layer, expected at least 1")
-    keep(pattern, whole, "strips", at_least=1)
+    keep(pattern, whole, "strips", at_least=1, at_most=MOST_STRIPS)
 
 
 def _cutout_centres(strips: int) -> list[float]:

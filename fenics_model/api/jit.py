@@ -20,6 +20,7 @@ import ffcx.options
 from dolfinx import fem
 
 from bilayer.errors import MachineError
+from bilayer.runtime.machine_faults import is_of_the_machine
 from bilayer.runtime.system import user_number
 
 SUMS_IN_ANY_ORDER = [
@@ -50,7 +51,7 @@ def compiled_form(integral: Any) -> Any:
     Raises
     ------
     MachineError
-        A file of options of dolfinx or FFCx cannot be read.
+        A file of options of dolfinx or FFCx cannot be read, or the compiler does not work.
     """
     return _compile(fem.form, integral)
 
@@ -64,12 +65,23 @@ def _compile(compiler: Callable[..., Any], *what: Any) -> Any:
     jit_options = JIT_OPTIONS | {"cache_dir": folder_of_forms()}
     try:
         return compiler(*what, form_compiler_options=_form_options(), jit_options=jit_options)
-    except ValueError as error:
+    except Exception as error:
         if type(error).__name__ not in ("JSONDecodeError", "UnicodeDecodeError"):
+            _tell_of_the_compiler(error)
             raise
         raise MachineError(
             f"dolfinx_jit_options.json or ffcx_options.json, in the current folder or under "
             f"~/.config, cannot be read ({error}); expected JSON, or no such file"
+        ) from error
+
+
+def _tell_of_the_compiler(error: Exception) -> None:
+    """Raise MachineError for an error of what compiles the forms; other ranks have words alone."""
+    if is_of_the_machine(error) or "just-in-time compilation" in str(error).lower():
+        words = next(iter(str(error).splitlines()), "") or type(error).__name__
+        raise MachineError(
+            f"the finite-element forms cannot be compiled ({words}); expected a C compiler that "
+            "works, and Python with its header files"
         ) from error
 
 

@@ -100,3 +100,16 @@ def test_bad_outlines_are_named(make, message):
     with pytest.raises(InputError, match=message) as caught:
         make()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("outline", "field"),
+    [
+        (lambda: Rectangle(1e30, 0.04, 0.001), "width"),
+        (lambda: RegularPolygon(5, 0.02, 1e30), "angle"),
+        (lambda: RegularPolygon(10**9, 0.02), "sides"),
+    ],
+)
+def test_numbers_whose_corners_fall_together_are_refused(outline, field):
+    with pytest.raises(InputError, match=field):
+        outline()
