@@ -12,8 +12,7 @@ from bilayer.cli.parser import add_trust_argument, add_verb
 from bilayer.errors import InputError
 from bilayer.exports.conversion import convert, convert_milestones, milestone_names
 from bilayer.exports.frame import FRAMES, IN_MM, UNITS, Axes, usual_unit
-from bilayer.exports.series import ENDING as SERIES
-from bilayer.exports.series import convert_series, series_names
+from bilayer.exports.series import SERIES, convert_series, series_names
 from bilayer.exports.solid import SOLIDS, check_solid_output, convert_solid
 from bilayer.mesh.files import check_mesh_output
 from bilayer.mesh.planar_files import WITH_LAYERS
@@ -42,7 +41,8 @@ def add(verbs: Any) -> None:
     )  # fmt: skip
     which.add_argument(
         "--all", action="store_true",
-        help="every milestone reached: shape_1.03.vtu, ...; a .pvd is one time series of them",
+        help=f"every milestone reached: shape_1.03.vtu, ...; a {' or '.join(SERIES)} is one time "
+        "series of them",
     )  # fmt: skip
     verb.add_argument(
         "--solid", action="store_true",
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
         convert_solid(result, options.output, options.prestretch, unit=options.unit or "mm")
     elif ending == RESULT:
         _write_fields(result, options)
-    elif ending == SERIES:
+    elif ending in SERIES:
         _write_series(result, options)
     else:
         _write_shapes(result, options)
@@ -93,7 +93,9 @@ def _check_of(ending: str, options: argparse.Namespace) -> Check:
     """Return the check of an output, by its ending."""
     if options.solid:
         return check_solid_output
-    return {RESULT: check_result_output, SERIES: check_writable}.get(ending, check_mesh_output)
+    if ending in SERIES:
+        return check_writable
+    return check_result_output if ending == RESULT else check_mesh_output
 
 
 def _write_series(result: xr.Dataset, options: argparse.Namespace) -> None:

@@ -1,5 +1,6 @@
 """Time series that ParaView plays, and solids that slicers take."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from bilayer import ComputationError, InputError
 from bilayer.cli.main import main
 from bilayer.exports.conversion import convert
 from bilayer.exports.frame import Axes
-from bilayer.exports.series import convert_series
+from bilayer.exports.series import SERIES, convert_series
 from bilayer.exports.solid import SOLIDS, convert_solid, solid_of
 from bilayer.results.assembly import Provenance, build_result
 from bilayer.results.files import write_result
@@ -47,6 +48,33 @@ def test_pyvista_opens_the_series_with_its_times_and_names(caps, tmp_path):
     assert 0 < heights[0] < heights[1] < 0.05
 
 
+@pytest.mark.parametrize("part", ["midsurface", "volume"])
+def test_one_file_holds_what_the_files_of_a_series_hold(caps, tmp_path, part):
+    pytest.importorskip("h5py")
+    vtk = pytest.importorskip("vtkmodules.vtkIOHDF")
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
+
+    fields = bilayer.fields(caps)
+    (name,) = convert_series(caps, tmp_path / "shape.vtkhdf", part, fields=fields)
+    names = convert_series(caps, tmp_path / "shape.pvd", part, fields=fields)
+    reader, files = vtk.vtkHDFReader(), pyvista.get_reader(str(names[0]))
+    reader.SetFileName(str(name))
+    reader.UpdateInformation()
+    key = Pipeline.TIME_STEPS()
+    assert list(reader.GetOutputInformation(0).Get(key)) == files.time_values == [1.03, 1.06]
+    for step in range(reader.GetNumberOfSteps()):
+        reader.SetStep(step)
+        reader.Update()
+        files.set_active_time_point(step)
+        one, (other,) = pyvista.wrap(reader.GetOutput()), files.read()
+        assert np.array_equal(one.points, other.points)
+        assert np.array_equal(one.cell_connectivity, other.cell_connectivity)
+        assert np.array_equal(one.celltypes, other.celltypes)
+        assert set(one.array_names) - {"Time"} == set(other.array_names)
+        for array in other.array_names:
+            assert np.array_equal(one[array], other[array], equal_nan=True), array
+
+
 def test_a_series_of_times_has_them(tmp_path):
     sheet = bilayer.paper_specimen().with_milestones([1.06])
     slow = replace(sheet, schedule=Schedule((0.0, 10.0, 300.0), 60.0))
@@ -65,9 +93,17 @@ def test_a_loop_of_prestretches_has_numbers_for_times(tmp_path):
     assert "region" in grid.array_names
 
 
-def test_a_full_disk_leaves_no_part_of_a_series(caps, tmp_path, full_disk):
+@pytest.mark.parametrize("ending", SERIES)
+def test_a_full_disk_leaves_no_part_of_a_series(caps, tmp_path, full_disk, ending):
     with full_disk(), pytest.raises(ComputationError, match=r"time series .* cannot be written"):
-        convert_series(caps, tmp_path / "a.pvd")
+        convert_series(caps, tmp_path / f"a{ending}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_h5py_the_other_series_is_named(caps, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(ComputationError, match=r"needs the package h5py .*or write a \.pvd"):
+        convert_series(caps, tmp_path / "a.vtkhdf")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -171,7 +207,7 @@ def test_formats_of_slicers_and_scanners_are_in_mm(caps, tmp_path, name, words, 
 
 
 def test_endings_are_checked(caps, tmp_path):
-    with pytest.raises(InputError, match=r"expected a name in \.pvd"):
+    with pytest.raises(InputError, match=r"expected a name in \.pvd or \.vtkhdf"):
         convert_series(caps, tmp_path / "a.vtu")
     with pytest.raises(InputError, match="ending of solid"):
         convert_solid(caps, tmp_path / "a.step")
