@@ -61,6 +61,12 @@ def lock_alone(descriptor: int) -> bool:
     return fcntl is None or _lock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
+def wait_to_lock_alone(descriptor: int) -> None:
+    """Lock an open file for this process alone until it is closed, when no other one has it."""
+    if fcntl is not None:
+        _lock(descriptor, fcntl.LOCK_EX)
+
+
 def lock_shared(descriptor: int) -> bool:
     """Lock an open file together with others that do; wait for one that has it alone."""
     return fcntl is None or _lock(descriptor, fcntl.LOCK_SH)

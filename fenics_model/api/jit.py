@@ -11,17 +11,19 @@ result would not tell of them. All options are given here, and these take preced
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import ffcx.options
 from dolfinx import fem
+from ufl.domain import extract_unique_domain
 
 from bilayer.errors import MachineError
 from bilayer.runtime.machine_faults import is_of_the_machine
-from bilayer.runtime.system import user_number
+from bilayer.runtime.system import user_number, wait_to_lock_alone
 
 SUMS_IN_ANY_ORDER = [
     "-fassociative-math",
@@ -53,12 +55,14 @@ def compiled_form(integral: Any) -> Any:
     MachineError
         A file of options of dolfinx or FFCx cannot be read, or the compiler does not work.
     """
-    return _compile(fem.form, integral)
+    with _compiling_alone(integral.ufl_domain().ufl_cargo().comm):
+        return _compile(fem.form, integral)
 
 
 def compiled_expression(expression: Any, points: Any) -> Any:
     """Return an expression of dolfinx at points of the reference cell; see `compiled_form`."""
-    return _compile(fem.Expression, expression, points)
+    with _compiling_alone(extract_unique_domain(expression).ufl_cargo().comm):
+        return _compile(fem.Expression, expression, points)
 
 
 def _compile(compiler: Callable[..., Any], *what: Any) -> Any:
@@ -75,6 +79,27 @@ def _compile(compiler: Callable[..., Any], *what: Any) -> Any:
         ) from error
 
 
+@contextmanager
+def _compiling_alone(comm: Any) -> Iterator[None]:
+    """Let one process at a time compile, and remove what a killed one has left half compiled.
+
+    FFCx takes such a leftover for a compilation under way, and waits for its end until `timeout`.
+    """
+    if comm.rank > 0:  # the first rank compiles, the others wait for it
+        yield
+        return
+    folder = folder_of_forms()
+    descriptor = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        wait_to_lock_alone(descriptor)
+        for source in folder.glob("libffcx_*.c"):
+            if not source.with_suffix(".c.cached").exists():
+                source.unlink(missing_ok=True)
+        yield
+    finally:
+        os.close(descriptor)
+
+
 def _tell_of_the_compiler(error: Exception) -> None:
     """Raise MachineError for an error of what compiles the forms; other ranks have words alone."""
     if is_of_the_machine(error) or "just-in-time compilation" in str(error).lower():
@@ -89,8 +114,9 @@ def _tell_of_the_compiler(error: Exception) -> None:
 def folder_of_forms() -> Path:
     """Return the folder in which compiled forms are kept.
 
-    It is `fenics` in the user's cache folder, as that of dolfinx, or else, if nothing can be
-    written there, in a folder for temporary files that is the user's alone: code is loaded from it.
+    It is `fenics/bilayer-shells` in the user's cache folder, beside the forms of other programs, or
+    else, if nothing can be written there, in a folder for temporary files that is the user's alone:
+    code is loaded from it.
 
     Raises
     ------
@@ -98,7 +124,8 @@ def folder_of_forms() -> Path:
         There is neither.
     """
     named = os.environ.get("XDG_CACHE_HOME", "")
-    usual = Path(named if Path(named).is_absolute() else Path.home() / ".cache") / "fenics"
+    usual = Path(named if Path(named).is_absolute() else Path.home() / ".cache")
+    usual = usual / "fenics" / "bilayer-shells"
     own = Path(tempfile.gettempdir()) / f"bilayer-shells-{user_number()}"
     try:
         usual.mkdir(parents=True, exist_ok=True)
