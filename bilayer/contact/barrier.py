@@ -26,6 +26,7 @@ from scipy.sparse import csr_matrix
 
 from bilayer.contact.package import require_contact
 from bilayer.contact.skin_map import SkinMap
+from bilayer.geometry.surface import directed_edges
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -96,9 +97,7 @@ class Barrier:
     @classmethod
     def of(cls, skin: SkinMap, flat_nodes: Array, *, range: float, stiffness: float) -> "Barrier":
         """Return the barrier of the skin over a flat surface, (n, 3), m."""
-        corners = skin.mesh_triangles
-        sides = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-        neighbours = np.unique(np.sort(sides, axis=1), axis=0)
+        neighbours = np.unique(np.sort(directed_edges(skin.mesh_triangles), axis=1), axis=0)
         flat = skin.points(flat_nodes)
         return cls(skin.triangles, flat, skin.node, neighbours, range=range, stiffness=stiffness)
 

@@ -9,7 +9,6 @@ there, in their order, and computes the rest: it ends as the first one would hav
 """
 
 import json
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from bilayer.errors import ComputationError, InputError, NotResumableError
 from bilayer.runtime.input_file import name_of_open_file, open_input, read_text
 from bilayer.runtime.output_file import remove_leftovers, whole_file
-from bilayer.runtime.system import lock_alone
+from bilayer.runtime.system import hold_lock, lock_alone
 
 LARGEST = 2**31
 LOCK = ".lock"
@@ -60,15 +59,12 @@ class DesignFolder:
         ComputationError
             Another one runs in it.
         """
-        descriptor = os.open(self.path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            if not lock_alone(descriptor):
+        with hold_lock(self.path / LOCK, lock_alone) as held:
+            if not held:
                 raise ComputationError(
                     f"design folder {self.path}: another run is in it; end that one, or wait for it"
                 )
             yield
-        finally:
-            os.close(descriptor)
 
     def claim(self, identity: str) -> None:
         """Say which task the folder is of; InputError if it is another one's."""

@@ -16,7 +16,7 @@ from bilayer.contact.skin import BondedBody, skin_of
 from bilayer.errors import ComputationError
 from bilayer.exports.conversion import reached
 from bilayer.exports.frame import IN_MM, UNITS, Axes
-from bilayer.geometry.surface import Surface
+from bilayer.geometry.surface import Surface, directed_edges
 from bilayer.mesh.files import write_mesh_data
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import result_mesh, result_specimen
@@ -135,7 +135,7 @@ def _boundary(shape: xr.Dataset) -> Surface:
 
 def _check_closed(triangles: Indices) -> None:
     """Raise ComputationError unless every edge is run through once in either sense."""
-    edges = np.concatenate([np.roll(triangles, -k, axis=1)[:, :2] for k in range(3)])
+    edges = directed_edges(triangles)
     ends, senses = np.sort(edges, axis=1), np.sign(edges[:, 1] - edges[:, 0])
     _, place, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
     balance = np.bincount(place.ravel(), senses, minlength=len(count))

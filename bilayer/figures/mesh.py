@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bilayer.figures.regions import region_colours, region_name, regions_of
 from bilayer.figures.style import new_figure, print_style
+from bilayer.geometry.surface import directed_edges
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.released_shapes import MM_PER_M
 
@@ -52,8 +53,7 @@ def edge_regions(mesh: PlanarMesh) -> NDArray[np.int64]:
     count, found = len(mesh.points), np.full(len(mesh.edges), -1)
     keys = _keys(mesh.edges, count)
     for region in regions_of(mesh):
-        own = mesh.triangles[mesh.region == region]
-        sides = np.concatenate([own[:, [0, 1]], own[:, [1, 2]], own[:, [2, 0]]])
+        sides = directed_edges(mesh.triangles[mesh.region == region])
         beside = np.isin(keys, _keys(np.sort(sides, axis=1), count))
         found[beside & (found < 0)] = region
     return found

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bilayer.geometry.surface import Surface
+from bilayer.geometry.surface import Surface, directed_edges
 
 Array = NDArray[np.float64]
 
@@ -89,7 +89,7 @@ def _neighbours(surface: Surface) -> tuple[NDArray[np.int64], NDArray[np.bool_]]
     from scipy.sparse import csr_matrix, identity  # slow to load
 
     count = len(surface.points)
-    pairs = np.concatenate([surface.triangles[:, list(p)] for p in ((0, 1), (1, 2), (2, 0))])
+    pairs = directed_edges(surface.triangles)
     ends = np.concatenate([pairs, pairs[:, ::-1]])
     beside = csr_matrix((np.ones(len(ends), dtype=np.int8), ends.T), shape=(count, count))
     step = (beside + identity(count, dtype=np.int8, format="csr")).astype(bool)

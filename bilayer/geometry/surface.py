@@ -7,6 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def directed_edges(triangles: Indices) -> Indices:
+    """Return the edges along which triangles (m, 3) run, (3 m, 2): all first ones, then second."""
+    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.geometry.surface import Surface
+from bilayer.geometry.surface import Surface, directed_edges
 from bilayer.mesh.validity import check_points, check_region, check_sheet
 from bilayer.specimen.two_layers import TWO_LAYERS
 
@@ -150,8 +150,7 @@ class PlanarMesh:
 
 
 def _corner_pairs(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    t = triangles
-    return np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+    return np.sort(directed_edges(triangles), axis=1)
 
 
 def flat_surface(mesh: PlanarMesh) -> Surface:

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from bilayer.errors import InputError
+from bilayer.geometry.surface import directed_edges
 
 Indices = NDArray[np.int64]
 
@@ -115,7 +116,7 @@ def _check_shapes(points: NDArray[np.float64], triangles: Indices) -> None:
 
 def _check_edges(triangles: Indices) -> None:
     """At an edge lies one triangle or two, and they pass along it in opposite directions."""
-    ends, count = _directed_edges(triangles), len(triangles)
+    ends, count = directed_edges(triangles), len(triangles)
     edge = _numbers_of(np.sort(ends))
     crowded = np.flatnonzero(np.bincount(edge) > 2)
     if len(crowded):
@@ -134,7 +135,7 @@ def _check_edges(triangles: Indices) -> None:
 
 
 def _check_one_piece(triangles: Indices) -> None:
-    piece = _pieces(_numbers_of(np.sort(_directed_edges(triangles))).reshape(3, -1))
+    piece = _pieces(_numbers_of(np.sort(directed_edges(triangles))).reshape(3, -1))
     pieces = len(np.unique(piece))
     if pieces > 1:
         apart = int(np.argmax(piece != piece[0]))
@@ -185,11 +186,6 @@ def check_covers_once(points: NDArray[np.float64], triangles: Indices) -> None:
             f"{_named(triangles, one)} lies on triangle {other}"
             f"{_and_more(np.unique(place[twice]))}: expected a sheet that covers each place once"
         )
-
-
-def _directed_edges(triangles: Indices) -> Indices:
-    """Return the edges along which triangles run, the first ones of all, then the second, ..."""
-    return np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
 
 
 def _numbers_of(pairs: Indices) -> Indices:

@@ -7,7 +7,10 @@ locks of this kind and starts processes in another way. Each function does what 
 import math
 import multiprocessing
 import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.context import BaseContext
+from pathlib import Path
 
 try:
     import fcntl
@@ -53,6 +56,24 @@ def process_context() -> BaseContext:
     return multiprocessing.get_context("forkserver" if can_fork else "spawn")
 
 
+@contextmanager
+def hold_lock(file: Path, take: Callable[[int], bool]) -> Iterator[bool]:
+    """Hold a lock that ends with this process, whatever ends it; false if another has it.
+
+    Parameters
+    ----------
+    file : Path
+        Made if it is missing.
+    take : callable
+        How to lock it: `lock_alone`, `lock_shared` or `wait_to_lock_alone`.
+    """
+    descriptor = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        yield take(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 def lock_alone(descriptor: int) -> bool:
     """Lock an open file for this process alone until it is closed; False if another one has it.
 
@@ -61,10 +82,9 @@ def lock_alone(descriptor: int) -> bool:
     return fcntl is None or _lock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def wait_to_lock_alone(descriptor: int) -> None:
+def wait_to_lock_alone(descriptor: int) -> bool:
     """Lock an open file for this process alone until it is closed, when no other one has it."""
-    if fcntl is not None:
-        _lock(descriptor, fcntl.LOCK_EX)
+    return fcntl is None or _lock(descriptor, fcntl.LOCK_EX)
 
 
 def lock_shared(descriptor: int) -> bool:

@@ -20,7 +20,8 @@ from bilayer.results.starting import ANOTHER_RESULT, FLAT_START
 from bilayer.results.table import stretches
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.registry import settings_class, solve, solver_named
-from bilayer.specimen.settings import check_plain, settings_from
+from bilayer.solvers.resuming import settings_of
+from bilayer.specimen.settings import check_plain
 from bilayer.specimen.toml_text import parse_toml
 
 AGREEMENT = 1e-8
@@ -97,7 +98,7 @@ def result_settings(result: xr.Dataset) -> Any:
         No solver of ours made it, or its settings are unknown to this version.
     """
     kind: Any = settings_class(result.attrs["solver"], result.attrs["model"])
-    return settings_from(kind, parse_toml(result.attrs["settings"], "settings of the result"))
+    return settings_of(result, kind)
 
 
 def was_started_from_a_result(result: xr.Dataset) -> bool:

@@ -185,13 +185,22 @@ def _text(specimen: Specimen, with_milestones_of: Specimen) -> str:
     return specimen_to_toml(specimen.with_milestones(milestones))
 
 
+def settings_of(result: xr.Dataset, kind: Any) -> Any:
+    """Return the settings of a file; those that its version did not have yet are the defaults.
+
+    Raises
+    ------
+    InputError
+        Some are not settings of that kind.
+    """
+    return settings_from(kind, parse_toml(result.attrs["settings"], "settings of the result"))
+
+
 def _settings_text(result: xr.Dataset, kind: Any) -> str:
-    """Return the settings of a file; those that its version did not have yet are the defaults."""
-    text = str(result.attrs["settings"])
     try:
-        return settings_to_toml(settings_from(kind, parse_toml(text, "settings of the result")))
+        return settings_to_toml(settings_of(result, kind))
     except InputError:
-        return text
+        return str(result.attrs["settings"])
 
 
 def _first_difference(mine: str, other: str) -> str:

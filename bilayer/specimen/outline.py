@@ -17,13 +17,13 @@ import shapely
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.validation import finite, keep, listed, not_negative, positive, whole
+from bilayer.validation import finite, keep, listed, not_negative, positive, whole, within
 
 SEGMENTS = 720
 """Lines that stand for a full turn of an arc: 1e-5 of the radius from it."""
 MOST_SIDES = 10_000
 LARGEST_ANGLE = 1000.0
-"""By which an outline may be turned, rad."""
+"""By which an outline may be turned, rad: a float of 1e30 has no digits left for part of a turn."""
 LARGEST_RATIO = 1e6
 """Of the sides of a rectangle: beyond it, corners fall together within round-off."""
 
@@ -192,8 +192,9 @@ class Rectangle(Outline):
     def __post_init__(self) -> None:
         keep(self, positive, "width", "height", unit="m")
         keep(self, not_negative, "corner_radius", unit="m")
-        half = min(self.width, self.height) / 2
-        if max(self.width, self.height) > LARGEST_RATIO * 2 * half:
+        shorter, longer = sorted((self.width, self.height))
+        half = shorter / 2
+        if longer > LARGEST_RATIO * shorter:
             raise InputError(
                 f"width = {self.width:g} m: expected at most {LARGEST_RATIO:g} times the height "
                 f"{self.height:g} m, and no less than that part of it"
@@ -259,12 +260,7 @@ class RegularPolygon(Outline):
     def __post_init__(self) -> None:
         keep(self, whole, "sides", at_least=3, at_most=MOST_SIDES)
         keep(self, positive, "outer_radius", unit="m")
-        keep(self, finite, "angle")
-        if abs(self.angle) > LARGEST_ANGLE:  # the next digit of a float would be the whole turn
-            raise InputError(
-                f"angle = {self.angle:g} rad: expected one between -{LARGEST_ANGLE:g} and "
-                f"{LARGEST_ANGLE:g}"
-            )
+        keep(self, within, "angle", low=-LARGEST_ANGLE, high=LARGEST_ANGLE)
 
     @cached_property
     def polygon(self) -> shapely.Polygon:  # noqa: D102

@@ -13,7 +13,7 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,7 +25,7 @@ from bilayer.errors import ComputationError, InputError
 from bilayer.results.files import check_result_output, open_resume_point, write_result
 from bilayer.runtime.input_file import read_text
 from bilayer.runtime.output_file import check_writable, remove_leftovers, whole_file
-from bilayer.runtime.system import lock_alone, lock_shared
+from bilayer.runtime.system import hold_lock, lock_alone, lock_shared
 from bilayer.runtime.terminal import tell
 from bilayer.runtime.time_limit import tells_of_time
 from bilayer.study.case import Case
@@ -318,7 +318,7 @@ class StudyFolder:
         ComputationError
             Another study is running in the folder.
         """
-        with self._hold_lock(LOCK, lock_alone) as held:
+        with hold_lock(self.path / LOCK, lock_alone) as held:
             if not held:
                 raise ComputationError(
                     f"study folder {self.path}: another study is running in it; end that one, "
@@ -330,25 +330,19 @@ class StudyFolder:
     @contextmanager
     def mark_as_working(self) -> Iterator[None]:
         """Mark this process, for as long as it lives, as one that writes into the folder."""
-        with self._hold_lock(WORKERS, lock_shared):
+        with hold_lock(self.path / WORKERS, lock_shared):
             yield
 
     def _wait_for_workers(self) -> None:
         told = False
         while True:
-            with self._hold_lock(WORKERS, lock_alone) as free:
+            with hold_lock(self.path / WORKERS, lock_alone) as free:
                 if free:
                     return
             if not told:
                 tell("bilayer: waiting for processes of an earlier start that still compute")
                 told = True
             time.sleep(0.2)
-
-    @contextmanager
-    def _hold_lock(self, name: str, take: Callable[[int], bool]) -> Iterator[bool]:
-        """Hold a lock that ends with this process, whatever ends it; false if it is taken."""
-        with (self.path / name).open("a") as lock:
-            yield take(lock.fileno())
 
 
 @contextmanager

@@ -121,7 +121,7 @@ class MorleyModel:
         return Laminate(layers, self._quadratic, zones)
 
 
-def _rigid_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list[WallFaces]:
+def _strained_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list[WallFaces]:
     """Return none: all layers are strained up to where they end."""
     return []
 
@@ -138,7 +138,7 @@ def _relieved_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> l
     return walls_of(mesh, width, clamped)
 
 
-FACES_AT_WALLS = {"strained": _rigid_walls, "relieved": _relieved_walls}
+FACES_AT_WALLS = {"strained": _strained_walls, "relieved": _relieved_walls}
 """The faces where layers are relieved, by the name that a setting gives them."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from bilayer.geometry.surface import directed_edges
 from bilayer.mesh.planar import PlanarMesh
 
 Array = NDArray[np.float64]
@@ -105,7 +106,7 @@ def _sides_of_walls(mesh: PlanarMesh, clamped: Numbers) -> tuple[Numbers, Number
         The face on the left; that on the right, or the number of faces if there is none.
     """
     count = len(mesh.triangles)
-    sides = np.concatenate([mesh.triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
+    sides = directed_edges(mesh.triangles)
     face = np.tile(np.arange(count), 3)
     pairs, edge = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
     total = np.bincount(edge, face)

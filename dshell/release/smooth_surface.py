@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CloughTocher2DInterpolator
 from scipy.spatial import Delaunay, cKDTree
 
+from bilayer.geometry.surface import directed_edges
 from bilayer.mesh.planar import PlanarMesh
 
 Array = NDArray[np.float64]
@@ -105,7 +106,7 @@ class SheetDelaunay(Delaunay):  # type: ignore[misc]  # scipy has no types
         t = self.simplices[self.on_sheet]
         alone = np.setdiff1d(np.arange(len(self._mesh.points)), t)
         edges = self._mesh.edges[np.isin(self._mesh.edges, alone).any(axis=1)]
-        sides = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]], edges])
+        sides = np.concatenate([directed_edges(t), edges])
         pairs = np.unique(np.concatenate([sides, sides[:, ::-1]]), axis=0)
         starts = np.searchsorted(pairs[:, 0], np.arange(len(self._mesh.points) + 1))
         return starts.astype(np.int32), pairs[:, 1].astype(np.int32)

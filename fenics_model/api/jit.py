@@ -23,7 +23,7 @@ from ufl.domain import extract_unique_domain
 
 from bilayer.errors import MachineError
 from bilayer.runtime.machine_faults import is_of_the_machine
-from bilayer.runtime.system import user_number, wait_to_lock_alone
+from bilayer.runtime.system import hold_lock, user_number, wait_to_lock_alone
 
 SUMS_IN_ANY_ORDER = [
     "-fassociative-math",
@@ -70,13 +70,8 @@ def _compile(compiler: Callable[..., Any], *what: Any) -> Any:
     try:
         return compiler(*what, form_compiler_options=_form_options(), jit_options=jit_options)
     except Exception as error:
-        if type(error).__name__ not in ("JSONDecodeError", "UnicodeDecodeError"):
-            _tell_of_the_compiler(error)
-            raise
-        raise MachineError(
-            f"dolfinx_jit_options.json or ffcx_options.json, in the current folder or under "
-            f"~/.config, cannot be read ({error}); expected JSON, or no such file"
-        ) from error
+        _tell_of_the_machine(error)
+        raise
 
 
 @contextmanager
@@ -89,19 +84,23 @@ def _compiling_alone(comm: Any) -> Iterator[None]:
         yield
         return
     folder = folder_of_forms()
-    descriptor = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o600)
-    try:
-        wait_to_lock_alone(descriptor)
+    with hold_lock(folder / "lock", wait_to_lock_alone):
         for source in folder.glob("libffcx_*.c"):
             if not source.with_suffix(".c.cached").exists():
                 source.unlink(missing_ok=True)
         yield
-    finally:
-        os.close(descriptor)
 
 
-def _tell_of_the_compiler(error: Exception) -> None:
-    """Raise MachineError for an error of what compiles the forms; other ranks have words alone."""
+def _tell_of_the_machine(error: Exception) -> None:
+    """Raise MachineError for an error of what compiles the forms, and not of a form.
+
+    The ranks that do not compile know of it by its words alone.
+    """
+    if type(error).__name__ in ("JSONDecodeError", "UnicodeDecodeError"):
+        raise MachineError(
+            f"dolfinx_jit_options.json or ffcx_options.json, in the current folder or under "
+            f"~/.config, cannot be read ({error}); expected JSON, or no such file"
+        ) from error
     if is_of_the_machine(error) or "just-in-time compilation" in str(error).lower():
         words = next(iter(str(error).splitlines()), "") or type(error).__name__
         raise MachineError(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bilayer.geometry.surface import directed_edges
 from bilayer.mesh.planar import PlanarMesh
 from fenics_model.mesh.volume_mesh import VolumeMesh
 from fenics_model.solid.numbering import EdgeNumbers
@@ -121,8 +122,8 @@ def _fibres(volume: VolumeMesh, mesh: PlanarMesh, ends: Indices) -> tuple[Indice
     on_edge = count + np.searchsorted(keys, _edge_keys(np.column_stack([one, other]), count))
     middles = count + place.reshape(corners.shape)
     quarters = np.hstack([corners, middles])[:, _QUARTERS].reshape(-1, 3)
-    pairs = np.concatenate([quarters[:, [0, 1]], quarters[:, [1, 2]], quarters[:, [2, 0]]])
-    return np.where(one == other, one, on_edge), np.unique(np.sort(pairs, axis=1), axis=0)
+    pairs = np.sort(directed_edges(quarters), axis=1)
+    return np.where(one == other, one, on_edge), np.unique(pairs, axis=0)
 
 
 def _edge_keys(ends: Indices, count: int) -> Indices:

@@ -27,13 +27,10 @@ Small load steps from the flat state and the gradient flow would lead it to its 
 
 
 @dataclass(frozen=True)
-class Row:
-    """What one milestone of one sheet on one mesh came to.
+class SheetRow:
+    """One milestone of one sheet on one mesh.
 
-    Lengths are over the characteristic length but for `mesh_size`, m; what was not reached is NaN.
-    `state` and the excesses are those of `sheet_comparison.branches.Pair`. `sensitivity` is the rms
-    distance of the shell's shape from that with a kirigami softer by `SOFTER`, NaN if it was not
-    asked for.
+    The thickness is over the characteristic length; `mesh_size` is in m.
     """
 
     sheet: str
@@ -42,6 +39,28 @@ class Row:
     is_published: int
     prestretch: float
     mesh_size: float
+
+    @property
+    def case(self) -> tuple[str, str, float, int]:
+        """Return what rows of one sheet on several meshes share."""
+        return self.sheet, self.pile, round(self.thickness, 9), self.is_published
+
+    @property
+    def milestone(self) -> tuple[tuple[str, str, float, int], float, float]:
+        """Return what tells it from the rows of all other milestones and meshes."""
+        return self.case, self.prestretch, round(self.mesh_size, 9)
+
+
+@dataclass(frozen=True)
+class Row(SheetRow):
+    """What both solvers came to.
+
+    Lengths are over the characteristic length; what was not reached is NaN.
+    `state` and the excesses are those of `sheet_comparison.branches.Pair`. `sensitivity` is the rms
+    distance of the shell's shape from that with a kirigami softer by `SOFTER`, NaN if it was not
+    asked for.
+    """
+
     triangles: int
     state: str
     distance: float
@@ -69,11 +88,6 @@ class Row:
     def is_missed(self) -> bool:
         """Return whether they must and do not."""
         return self.is_judged and not self.distance <= TOLERANCE
-
-    @property
-    def case(self) -> tuple[str, str, float, int]:
-        """Return what rows of one sheet on several meshes share."""
-        return self.sheet, self.pile, round(self.thickness, 9), self.is_published
 
 
 def rows_of(case: Case, kept: Path) -> Iterator[Row]:

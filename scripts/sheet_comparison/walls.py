@@ -8,43 +8,27 @@ import bilayer
 from bilayer import MorleySettings
 from sheet_comparison.branches import distance, energy
 from sheet_comparison.cases import TOLERANCE, Case
-from sheet_comparison.rows import Row, Runs, pair_at
+from sheet_comparison.rows import Row, Runs, SheetRow, pair_at
 
 RELIEVED = MorleySettings(walls="relieved")
 
 
 @dataclass(frozen=True)
-class WallRow:
-    """The relieved shell at one milestone of one sheet, from the shape of the shell beside it.
+class WallRow(SheetRow):
+    """What the relieved shell came to from the shape of the shell beside it.
 
     `distance`, `height` and `energy_ratio` (finite elements over shell) are as in `Row`.
     """
 
-    sheet: str
-    pile: str
-    thickness: float
-    is_published: int
-    prestretch: float
-    mesh_size: float
     distance: float
     height: float
     energy_ratio: float
     unstable: int
 
-    @property
-    def key(self) -> tuple[str, str, float, int, float, float]:
-        """Return what it shares with the row of the shell beside it."""
-        return _key(self)
-
-
-def _key(row: Row | WallRow) -> tuple[str, str, float, int, float, float]:
-    thickness, size = round(row.thickness, 9), round(row.mesh_size, 9)
-    return row.sheet, row.pile, thickness, row.is_published, row.prestretch, size
-
 
 def beside(row: Row, walls: Sequence[WallRow]) -> WallRow | None:
     """Return the relieved shell's row of a sheet on its mesh, if there is one."""
-    return next((found for found in walls if found.key == _key(row)), None)
+    return next((found for found in walls if found.milestone == row.milestone), None)
 
 
 def is_missed(row: Row, walls: Sequence[WallRow]) -> bool:

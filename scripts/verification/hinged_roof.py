@@ -5,7 +5,7 @@ Elem. Anal. Des. 40 (2004), tables 9: the force at deflections of the thick roof
 limit point, and the first limit points of both. SI units.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from verification.arc_length import PathPoint, Scales
+from verification.arc_length import Loaded, PathPoint, Scales, State, follow_arc
 from verification.rung import Check
 
 Array = NDArray[np.float64]
@@ -52,9 +52,18 @@ def scales_of(thickness: float) -> Scales:
     return Scales(deflection=0.03, force=FORCE * FIRST_LIMITS[thickness], tolerance=1e-4)
 
 
-def is_before_the_end(deflection: float, force: float) -> bool:
-    """Whether a curve is to be followed further."""
-    return deflection < DEEPEST
+def path_of(
+    roof: Loaded[State], at_rest: State, thickness: float, step: float
+) -> list[PathPoint[State]]:
+    """Return the path of a roof from its equilibrium without force, through both limit points."""
+    return list(
+        follow_arc(roof, at_rest, scales_of(thickness), step, lambda deep, _: deep < DEEPEST)
+    )
+
+
+def curves_of(path: Callable[[float], Sequence[PathPoint[Any]]]) -> dict[float, "Curve"]:
+    """Return the curves of both roofs by thickness, from the path of each."""
+    return {thickness: Curve(path(thickness)) for thickness in (THICK, THIN)}
 
 
 @dataclass(frozen=True)

@@ -18,19 +18,17 @@ from dshell.energies.through_thickness import ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
 from dshell.solve.linear_solver import best_linear_solver
 from dshell.solve.newton import Body, Configuration, EquilibriumSolver
-from verification.arc_length import PathPoint, follow_arc
+from verification.arc_length import PathPoint
 from verification.hinged_roof import (
     HALF_ANGLE,
     LENGTH,
     POISSON,
     RADIUS,
-    THICK,
-    THIN,
     YOUNG,
     Curve,
-    is_before_the_end,
+    curves_of,
     on_cylinder,
-    scales_of,
+    path_of,
 )
 from verification.meshes import rectangle
 from verification.shell_problem import plate
@@ -130,12 +128,12 @@ class ShellRoof:
 def shell_curve(thickness: float, cells: int, step: float = 0.05) -> list[PathPoint[Array]]:
     """Return the curve of a roof, through both limit points."""
     roof = ShellRoof(thickness, cells)
-    return list(follow_arc(roof, _at_rest(roof), scales_of(thickness), step, is_before_the_end))
+    return path_of(roof, _at_rest(roof), thickness, step)
 
 
 def shell_curves(cells: int) -> dict[float, Curve]:
     """Return the curves of both roofs, by thickness."""
-    return {thickness: Curve(shell_curve(thickness, cells)) for thickness in (THICK, THIN)}
+    return curves_of(lambda thickness: shell_curve(thickness, cells))
 
 
 def _at_rest(roof: ShellRoof) -> Array:

@@ -15,19 +15,17 @@ from fenics_model.solid.solid import Solid, SolidLayer
 from fenics_model.solid.state import State
 from fenics_model.solid.strain_energy import energy_constants
 from fenics_model.solve.newton import Newton
-from verification.arc_length import PathPoint, follow_arc
+from verification.arc_length import PathPoint
 from verification.hinged_roof import (
     HALF_ANGLE,
     LENGTH,
     POISSON,
     RADIUS,
-    THICK,
-    THIN,
     YOUNG,
     Curve,
-    is_before_the_end,
+    curves_of,
     on_cylinder,
-    scales_of,
+    path_of,
 )
 from verification.meshes import rectangle
 from verification.solid_problem import held_where, newton_of
@@ -104,16 +102,12 @@ def solid_curve(thickness: float, cells: int, step: float = 0.05) -> list[PathPo
     solid = _solid(curved)
     with newton_of(solid, _supports(solid)) as newton:
         dofs = solid.mesh.dofs_at(solid.component(2), centre)
-        roof = SolidRoof(newton, dofs)
-        scales = scales_of(thickness)
-        return list(follow_arc(roof, solid.undeformed, scales, step, is_before_the_end))
+        return path_of(SolidRoof(newton, dofs), solid.undeformed, thickness, step)
 
 
 def solid_curves(cells: int) -> dict[float, Curve]:
     """Return the curves of both roofs, by thickness."""
-    return {
-        thickness: Curve(solid_curve(thickness, cells, step=0.1)) for thickness in (THICK, THIN)
-    }
+    return curves_of(lambda thickness: solid_curve(thickness, cells, step=0.1))
 
 
 def _flat_quarter(thickness: float, cells: int) -> PlanarMesh:
