@@ -10,7 +10,7 @@ from bilayer.errors import InputError
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
 from bilayer.results.records import comparison_record
-from bilayer.runtime.terminal import say, say_json, tell
+from bilayer.runtime.terminal import say, say_json, warn
 from bilayer.specimen.units import in_si
 
 
@@ -104,7 +104,7 @@ def _compare_scan(options: argparse.Namespace) -> int:
     result, cloud = open_result(options.result), read_cloud(options.other, unit)
     doubt = size_doubt(result, cloud)
     if doubt:
-        tell(f"bilayer: warning: {doubt}")
+        warn(doubt)
     matches = compare_scan(result, cloud)
     best = matches[best_match(matches)]
     record: dict[str, Any] = scan_record(matches)

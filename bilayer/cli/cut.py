@@ -15,7 +15,7 @@ from bilayer.cutting.files import (
 )
 from bilayer.cutting.style import STYLES
 from bilayer.drawings.source import hexadecimal
-from bilayer.runtime.terminal import say, tell
+from bilayer.runtime.terminal import say, warn
 from bilayer.specimen.toml import read_specimen
 from bilayer.specimen.units import in_si
 
@@ -56,7 +56,7 @@ def add(verbs: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
-    specimen = read_specimen(options.specimen, options.overrides)
+    specimen = read_specimen(options.specimen, options.overrides, notice=warn)
     check_cut_ending(options.output)
     layers = options.layer or specimen.layer_names
     check_output(options, check_cut_output, cut_file_names(options.output, layers))
@@ -76,5 +76,5 @@ def run(options: argparse.Namespace) -> int:
         if not options.quiet:
             say(file.words)
         for obstacle in file.obstacles:
-            tell(f"bilayer: warning: {file.part.layer}: {obstacle}")
+            warn(f"{file.part.layer}: {obstacle}")
     return 0

@@ -14,7 +14,7 @@ from bilayer.mesh.planar_files import read_planar_mesh
 from bilayer.results.files import open_result
 from bilayer.results.schema import result_mesh
 from bilayer.runtime.ranks import is_first_rank
-from bilayer.runtime.terminal import tell
+from bilayer.runtime.terminal import keep_quiet, warn
 from bilayer.specimen.doubts import doubts
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen
@@ -51,13 +51,14 @@ def read_specimen_argument(options: argparse.Namespace, overrides: list[str]) ->
     """Read the specimen of the command line, some of its values replaced; tell what is doubtful."""
     if options.mesh_size is not None:
         overrides = [*overrides, f"mesh.size={options.mesh_size}"]
-    specimen = read_specimen(options.specimen, overrides)
+    first = is_first_rank()
+    specimen = read_specimen(options.specimen, overrides, notice=warn if first else keep_quiet)
     if getattr(options, "prestretch", None) is not None:
         milestones = [milestone_argument(word) for word in options.prestretch]
         specimen = specimen.with_milestones(milestones)
-    if is_first_rank():
+    if first:
         for doubt in doubts(specimen):
-            tell(f"bilayer: warning: {doubt}")
+            warn(doubt)
     return specimen
 
 

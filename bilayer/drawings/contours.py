@@ -53,10 +53,12 @@ def closed_contours(lines: Sequence[Line], joint: float) -> list[Points]:
 
 def even_odd(rings: Sequence[Points]) -> shapely.Geometry:
     """Return what lies within an odd number of rings, m."""
-    region: shapely.Geometry = shapely.Polygon()
-    for polygon in sorted(map(shapely.Polygon, rings), key=lambda polygon: -polygon.area):
-        region = shapely.symmetric_difference(region, polygon)
-    return region
+    parts = np.array([shapely.Polygon(), *map(shapely.Polygon, rings)], dtype=object)
+    parts = parts[np.argsort(-shapely.area(parts), kind="stable")]
+    while len(parts) > 1:  # by pairs: one after the other costs the square of their number
+        last = parts[len(parts) // 2 * 2 :]
+        parts = np.concatenate([shapely.symmetric_difference(parts[:-1:2], parts[1::2]), last])
+    return parts[0]
 
 
 def place(point: Sequence[float]) -> str:

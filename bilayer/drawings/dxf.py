@@ -45,17 +45,31 @@ class DxfDocument:
             reason = getattr(error, "strerror", None) or f"not a DXF file: {error}"
             raise InputError(f"drawing = {str(path)!r}: cannot be read ({reason})") from error
         self._colours = package("ezdxf.colors")
+        self._errors = ezdxf.DXFError
         self.unit: float | None = UNITS.get(self._document.header.get("$INSUNITS", 0))
 
     def lines(self, tolerance: float) -> list[Line]:  # noqa: D102
-        found = []
-        for entity, layer, colour in self._entities(self._document.modelspace(), "0", "", DEEPEST):
-            points = _points(entity, tolerance)
-            closed = len(points) > 2 and _is_closed(entity, points)
-            if closed and np.allclose(points[0], points[-1], rtol=0, atol=tolerance):
-                points = points[:-1]
-            found.append(Line(points, closed, (layer,), colour))
-        return found
+        drawn = self._entities(self._document.modelspace(), "0", "", DEEPEST)
+        try:
+            return [self._line(*given, tolerance) for given in drawn]
+        except self._errors as error:
+            raise InputError(f"drawing: cannot be read ({error})") from error
+
+    def _line(self, entity: Any, layer: str, colour: str, tolerance: float) -> Line:
+        hidden = bool(entity.dxf.get("invisible", 0)) or not self._is_shown(layer)
+        points = _points(entity, tolerance)
+        if points is None:
+            return Line(np.empty((0, 2)), False, (layer,), colour, hidden, entity.dxftype())
+        closed = len(points) > 2 and _is_closed(points)
+        if closed and np.allclose(points[0], points[-1], rtol=0, atol=tolerance):
+            points = points[:-1]
+        return Line(points, closed, (layer,), colour, hidden)
+
+    def _is_shown(self, name: str) -> bool:
+        if name not in self._document.layers:
+            return True
+        layer = self._document.layers.get(name)
+        return not (layer.is_off() or layer.is_frozen())
 
     def upright(self, points: Points) -> Points:  # noqa: D102
         return points
@@ -100,8 +114,11 @@ def _hexadecimal(rgb: Any) -> str:
     return "#" + "".join(f"{part:02x}" for part in rgb)
 
 
-def _points(entity: Any, tolerance: float) -> Points:
-    """Return the points of an entity, in world coordinates, both ends among them."""
+def _points(entity: Any, tolerance: float) -> Points | None:
+    """Return the points of an entity, in world coordinates, both ends among them.
+
+    None of what is no line, such as a surface.
+    """
     kind = entity.dxftype()
     if kind == "LINE":
         return _flat([entity.dxf.start, entity.dxf.end])
@@ -122,14 +139,12 @@ def _points(entity: Any, tolerance: float) -> Points:
         knots = np.unique(np.asarray(tool.knots())[tool.degree : len(tool.knots()) - tool.degree])
         return flattened(lambda t: _flat(tool.points(t)), list(knots), tolerance)
     if kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
-        parts = [_points(part, tolerance) for part in entity.virtual_entities()]
-        return _chained(parts)
+        parts = (_points(part, tolerance) for part in entity.virtual_entities())
+        return _chained([part for part in parts if part is not None])
     if kind == "POLYLINE" and entity.is_3d_polyline:
         points = [vertex.dxf.location for vertex in entity.vertices]
         return _flat([*points, points[0]] if entity.is_closed else points)
-    raise InputError(
-        f"drawing: has a {kind} on layer {entity.dxf.layer!r}, expected lines, arcs and splines"
-    )
+    return None
 
 
 def _chained(parts: list[Points]) -> Points:
@@ -156,7 +171,7 @@ def _span(arc: Any) -> float:
     return float((arc.dxf.end_angle - arc.dxf.start_angle) % 360 or 360)
 
 
-def _is_closed(entity: Any, points: Points) -> bool:
+def _is_closed(points: Points) -> bool:
     extent = np.ptp(points, axis=0).max()
     return bool(np.linalg.norm(points[0] - points[-1]) < 1e-9 * extent)
 

@@ -7,7 +7,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from bilayer.drawings.contours import even_odd
 from bilayer.drawings.lines import Points
 from bilayer.drawings.packages import package
 from bilayer.errors import InputError
@@ -75,10 +74,6 @@ class ImageSource:
                 f"{self.threshold:g} and larger than {1e6 * self.least_area:g} mm2"
             )
         return kept, len(rings) - len(kept)
-
-    def region(self) -> shapely.Geometry:
-        """Return the parts, m."""
-        return even_odd(self.contours()[0])
 
 
 def _shades(path: Path) -> NDArray[np.float64]:

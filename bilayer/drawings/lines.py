@@ -29,12 +29,18 @@ class Line:
         the outermost first, and its own.
     colour : str
         As "#rrggbb"; "" without one.
+    hidden : bool
+        Whether nobody sees it, as on a layer that is switched off or without stroke and fill.
+    strange : str
+        What it is if that is no line, such as "SOLID"; it has no points then.
     """
 
     points: Points
     closed: bool
     layers: tuple[str, ...]
     colour: str
+    hidden: bool = False
+    strange: str = ""
 
 
 class Document(Protocol):

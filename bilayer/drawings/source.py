@@ -69,7 +69,7 @@ class DrawingSource:
         if unit is None:
             raise InputError(f"unit: missing, {document.how_to_tell}")
         lines = document.lines(self.tolerance / unit)
-        chosen = self._in_metres(self._chosen(lines), unit)
+        chosen = self._in_metres(_all_lines(self._chosen(lines)), unit)
         try:
             rings = self._bounding(chosen)
         except InputError as error:
@@ -96,9 +96,9 @@ class DrawingSource:
 
     def _chosen(self, lines: Sequence[Line]) -> list[Line]:
         """Return the lines of the layer and the colour that are asked for."""
-        chosen = list(lines)
+        chosen = _seen(lines)
         if self.layer is not None:
-            chosen = [line for line in chosen if self.layer in line.layers]
+            chosen = _on_layer(lines, self.layer)
             if not chosen:
                 known = list(dict.fromkeys(name for line in lines for name in line.layers))
                 raise InputError(
@@ -121,13 +121,44 @@ class DrawingSource:
         if self.origin == "drawing":
             return np.zeros(2)
         if self.origin == "centre":
-            drawn = document.upright(np.concatenate([line.points for line in lines]))
+            drawn = document.upright(np.concatenate([line.points for line in _extent(lines)]))
             return unit * (drawn.min(axis=0) + drawn.max(axis=0)) / 2
         return np.asarray(self.origin, dtype=float)
 
     @staticmethod
     def _in_metres(lines: Sequence[Line], unit: float) -> list[Line]:
         return [replace(line, points=unit * line.points) for line in lines]
+
+
+def _seen(lines: Sequence[Line]) -> list[Line]:
+    """Return the lines that are not hidden; all of them if nothing is seen."""
+    return [line for line in lines if not line.hidden] or list(lines)
+
+
+def _extent(lines: Sequence[Line]) -> list[Line]:
+    """Return the lines whose middle is the centre of the drawing; surfaces have no points."""
+    return _seen([line for line in lines if not line.strange])
+
+
+def _on_layer(lines: Sequence[Line], layer: str) -> list[Line]:
+    """Return the lines of a layer, hidden or not; small and capital letters differ where both are.
+
+    To DXF they are the same.
+    """
+    exact = [line for line in lines if layer in line.layers]
+    wanted = layer.casefold()
+    return exact or [line for line in lines if wanted in map(str.casefold, line.layers)]
+
+
+def _all_lines(chosen: list[Line]) -> list[Line]:
+    """Raise InputError if something else is among them, which bounds nothing."""
+    for line in chosen:
+        if line.strange:
+            raise InputError(
+                f"drawing: has a {line.strange} on layer {line.layers[-1]!r}, expected lines, arcs "
+                "and splines"
+            )
+    return chosen
 
 
 def hexadecimal(colour: str) -> str:

@@ -20,10 +20,18 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 GROUPS = "data-groups"
 """The attribute in which an element is given the names of the groups around it."""
 SEPARATOR = "\u241f"
+OF_A_RECT = ("x", "y", "width", "height")
+"""Lengths that are 0 if a rectangle leaves them out."""
+MEASURES = ("x", "y", "width", "height", "r", "rx", "ry", "cx", "cy", "x1", "y1", "x2", "y2")
+NOT_DRAWN = tuple(f"{NAMESPACE}{kind}" for kind in ("clipPath", "marker", "mask", "pattern"))
 LENGTHS = {
     "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3,
 }  # fmt: skip
 """m. A pixel is not among them: 1/96 inch by CSS, 1/72 for some programs."""
+DISTORTED = (
+    "the file's preserveAspectRatio gives x and y other scales, or shows a part alone: expected "
+    "unit = 'mm' or another"
+)
 
 
 class SvgDocument:
@@ -53,24 +61,38 @@ class SvgDocument:
             raise InputError(
                 f"drawing = {str(path)!r}: cannot be read (not an SVG file: its root is {root.tag})"
             )
-        self.unit = _unit(root, _view_box(root))
+        box = _view_box(root)
+        self.unit = _unit(root, box)
+        if _is_distorted(root, box):
+            self.unit, self.how_to_tell = None, DISTORTED
+        _check_lengths(path, root)
         _name_groups(root, ())
-        self._root = root
+        _write_defaults(root)
+        _set_aside_what_is_not_drawn(root)
+        self._root, self._box = root, box
 
     def lines(self, tolerance: float) -> list[Line]:  # noqa: D102
         found = []
         for shape in self._shapes():
-            layers, colour = _layers(shape), _colour(shape)
-            matrix = shape.transform
-            if isinstance(shape, self._svgelements.Path):
-                path = shape
-            else:
-                path = self._svgelements.Path(shape.segments(transformed=False))
-            for part in path.as_subpaths():
-                points, closed = _subpath(self._svgelements, list(part), matrix, tolerance)
-                if len(points) > 1:
-                    found.append(Line(points, closed, layers, colour))
+            try:
+                found += self._lines_of(shape, tolerance)
+            except (TypeError, ValueError) as error:  # a length such as 1em is no number
+                name = shape.values.get("id") or shape.values.get("tag") or "one"
+                raise InputError(
+                    f"drawing: element {name!r} cannot be read, expected lengths in numbers"
+                ) from error
         return found
+
+    def _lines_of(self, shape: Any, tolerance: float) -> list[Line]:
+        matrix, path = shape.transform, shape
+        if not isinstance(shape, self._svgelements.Path):
+            path = self._svgelements.Path(shape.segments(transformed=False))
+        parts = (
+            _subpath(self._svgelements, list(part), matrix, tolerance)
+            for part in path.as_subpaths()
+        )
+        told = _layers(shape), _colour(shape), _is_hidden(shape)
+        return [Line(points, closed, *told) for points, closed in parts if len(points) > 1]
 
     def upright(self, points: Points) -> Points:  # noqa: D102
         return points * [1, -1]
@@ -79,13 +101,17 @@ class SvgDocument:
         """Return all that is drawn, in user coordinates: without the viewBox' transform."""
         for name in ("width", "height", "viewBox", "preserveAspectRatio"):
             self._root.attrib.pop(name, None)
+        if self._box is not None:  # what lengths in per cent are of
+            width, height = self._box[2:]
+            self._root.attrib |= {"width": f"{width!r}", "height": f"{height!r}"}
+            self._root.set("viewBox", f"0 0 {width!r} {height!r}")
         text = io.BytesIO(ElementTree.tostring(self._root))
         try:
             svg = self._svgelements.SVG.parse(text, reify=False)
             shapes = list(svg.select(lambda e: isinstance(e, self._svgelements.Shape)))
         except (ValueError, TypeError, IndexError, AttributeError, KeyError) as error:
             raise InputError(f"drawing: an element cannot be read ({error})") from error
-        return [shape for shape in shapes if not _is_hidden(shape)]
+        return shapes
 
 
 def _subpath(
@@ -133,7 +159,8 @@ def _curve(svgelements: Any, segment: Any) -> Curve:
 
 
 def _moved(matrix: Any, points: list[Any]) -> Points:
-    return _mapped(matrix, lambda _: np.array([(point.x, point.y) for point in points]), None)
+    places = np.array([(point.x, point.y) for point in points], dtype=float)
+    return _mapped(matrix, lambda _: places, None)
 
 
 def _mapped(matrix: Any, curve: Curve, t: Any) -> Points:
@@ -152,8 +179,45 @@ def _name_groups(element: ElementTree.Element, names: tuple[str, ...]) -> None:
         _name_groups(child, names)
 
 
+def _check_lengths(path: Path, root: ElementTree.Element) -> None:
+    """Raise InputError if a shape has a length that goes with the size of letters or windows."""
+    for element in root.iter():
+        for name in MEASURES:
+            if re.fullmatch(r"[-+.\deE]+(r?em|ex|ch|v[wh])", element.get(name, "").strip()):
+                raise InputError(
+                    f"drawing = {str(path)!r}: {name} = {element.get(name)!r} of a "
+                    f"{element.tag.removeprefix(NAMESPACE)}: expected a number or a length in mm"
+                )
+
+
+def _write_defaults(root: ElementTree.Element) -> None:
+    """Give rectangles what they leave out; svgelements takes the lengths of an svg around them."""
+    for element in root.iter(f"{NAMESPACE}rect"):
+        element.attrib |= {name: element.get(name, "0") for name in OF_A_RECT}
+
+
+def _set_aside_what_is_not_drawn(root: ElementTree.Element) -> None:
+    """Take out masks and the like, and put symbols where `use` alone finds them."""
+    symbols = ElementTree.Element(f"{NAMESPACE}defs")
+    root.insert(0, symbols)
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.tag in NOT_DRAWN:
+                parent.remove(child)
+            elif child.tag == f"{NAMESPACE}symbol" and parent is not symbols:
+                parent.remove(child)
+                symbols.append(child)
+
+
 def _layers(shape: Any) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(filter(None, shape.values.get(GROUPS, "").split(SEPARATOR))))
+    names = shape.values.get(GROUPS, "").split(SEPARATOR)
+    known = [*names, *map(_unescaped, names)]
+    return tuple(dict.fromkeys(name for name in known if name))
+
+
+def _unescaped(name: str) -> str:
+    """Return a name without Illustrator's escapes: "cut_x20_1" is "cut 1"."""
+    return re.sub(r"_x([0-9A-Fa-f]{2})_", lambda found: chr(int(found[1], 16)), name)
 
 
 def _colour(shape: Any) -> str:
@@ -166,7 +230,9 @@ def _colour(shape: Any) -> str:
 
 def _is_hidden(shape: Any) -> bool:
     values = shape.values
-    return values.get("display") == "none" or values.get("visibility") in ("hidden", "collapse")
+    if values.get("display") == "none" or values.get("visibility") in ("hidden", "collapse"):
+        return True
+    return all(paint is not None and paint.value is None for paint in (shape.stroke, shape.fill))
 
 
 def _view_box(root: ElementTree.Element) -> tuple[float, float, float, float] | None:
@@ -185,6 +251,16 @@ def _unit(root: ElementTree.Element, box: tuple[float, float, float, float] | No
     sizes = zip((root.get("width"), root.get("height")), box[2:], strict=True)
     scales = [size / extent for text, extent in sizes if (size := _length(text)) is not None]
     return min(scales, default=None)  # preserveAspectRatio: all of the box is seen
+
+
+def _is_distorted(root: ElementTree.Element, box: tuple[float, float, float, float] | None) -> bool:
+    """Whether x and y have other scales, or a part of the viewBox is cut off."""
+    kept = root.get("preserveAspectRatio", "").split()
+    if box is None or not {"none", "slice"}.intersection(kept):
+        return False
+    sizes = _length(root.get("width")), _length(root.get("height"))
+    scales = [s / extent for s, extent in zip(sizes, box[2:], strict=True) if s is not None]
+    return bool(scales) and not math.isclose(min(scales), max(scales), rel_tol=1e-6)
 
 
 def _length(text: str | None) -> float | None:

@@ -10,10 +10,13 @@ import math
 import os
 import re
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
+Notice = Callable[[str], None]
+"""Takes a line of text for the user."""
 LONGEST_LINE = 2000
 """Letters of a line on stderr."""
 _RED, _YELLOW = "1;31", "1;33"
@@ -118,6 +121,15 @@ def _of_a_length(line: str) -> str:
     if len(line) <= LONGEST_LINE:
         return line
     return f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 2 :]}"
+
+
+def warn(text: object) -> None:
+    """Write a line of what the user should know to stderr, as a warning."""
+    tell(f"bilayer: warning: {text}")
+
+
+def keep_quiet(line: str) -> None:
+    """Tell nobody: a `Notice`."""
 
 
 def tell_lines(text: object) -> None:

@@ -17,6 +17,7 @@ from bilayer.drawings.lines import Points
 from bilayer.drawings.source import ORIGINS, DrawingSource
 from bilayer.errors import InputError, fields_of
 from bilayer.runtime.input_file import unreadable
+from bilayer.runtime.terminal import Notice, keep_quiet
 from bilayer.runtime.untrusted_file import read_in_child
 from bilayer.specimen.outline import rings_of
 from bilayer.specimen.pattern import KEPT_OR_CUT
@@ -24,6 +25,8 @@ from bilayer.specimen.tables import Tables, check_keys, required
 from bilayer.specimen.units import in_si
 from bilayer.validation import fraction, listed, not_negative, one_of, positive, text
 
+Drawn = tuple[shapely.Geometry, str, int]
+"""What contours bound, m; whether that is kept or cut; how many parts of an image were dropped."""
 Found = TypeVar("Found")
 
 SHORTEST_TIME, BYTES_PER_SECOND = 15.0, 1e5
@@ -42,7 +45,9 @@ LENGTHS = dict.fromkeys(
 ) | {"least_area": "m^2"}
 
 
-def with_drawings(tables: Tables, folder: Path | None) -> dict[str, Any]:
+def with_drawings(
+    tables: Tables, folder: Path | None, notice: Notice = keep_quiet
+) -> dict[str, Any]:
     """Return the tables of a specimen file without drawings and images.
 
     Parameters
@@ -51,6 +56,8 @@ def with_drawings(tables: Tables, folder: Path | None) -> dict[str, Any]:
         Of the long form; those of the short form are returned as they are.
     folder : Path or None
         Where the files lie that are named by a relative path; None: none may be named.
+    notice : callable
+        Takes a line for the user: how many parts of an image were left out.
 
     Raises
     ------
@@ -62,16 +69,16 @@ def with_drawings(tables: Tables, folder: Path | None) -> dict[str, Any]:
     whole = dict(tables)
     sheet = whole.get("specimen")
     if isinstance(sheet, Mapping) and _is_drawn(sheet.get("outline")):
-        outline = _outline_table("specimen.outline", sheet["outline"], folder)
+        outline = _outline_table("specimen.outline", sheet["outline"], folder, notice)
         whole["specimen"] = {**sheet, "outline": outline}
     if isinstance(whole.get("patterns"), Mapping):
         whole["patterns"] = {
-            name: _undrawn(f"patterns.{name}", table, folder)
+            name: _undrawn(f"patterns.{name}", table, folder, notice)
             for name, table in whole["patterns"].items()
         }
     if isinstance(whole.get("layers"), list):
         whole["layers"] = [
-            {**layer, "pattern": _undrawn(f"layers[{k}].pattern", layer["pattern"], folder)}
+            {**layer, "pattern": _undrawn(f"layers[{k}].pattern", layer["pattern"], folder, notice)}
             if isinstance(layer, Mapping) and "pattern" in layer
             else layer
             for k, layer in enumerate(whole["layers"])
@@ -83,18 +90,25 @@ def _is_drawn(table: Any) -> bool:
     return isinstance(table, Mapping) and ("drawing" in table or "image" in table)
 
 
-def _undrawn(where: str, table: Any, folder: Path | None) -> Any:
+def _undrawn(where: str, table: Any, folder: Path | None, notice: Notice) -> Any:
     """Return the table of a pattern, a drawn one by its contours."""
     if not _is_drawn(table):
         return table
     with fields_of(where):
-        region, what = _region(table, folder, PATTERN_KEYS)
+        region, what, dropped = _region(table, folder, PATTERN_KEYS)
+        _tell_dropped(where, dropped, table, notice)
         return {"kind": "contours", "contours": _plain(region), "what": what}
 
 
-def _outline_table(where: str, table: Any, folder: Path | None) -> dict[str, Any]:
+def _tell_dropped(where: str, count: int, table: Any, notice: Notice) -> None:
+    if count:
+        notice(f"{where}: {count} parts and holes below least_area = {table['least_area']} dropped")
+
+
+def _outline_table(where: str, table: Any, folder: Path | None, notice: Notice) -> dict[str, Any]:
     with fields_of(where):
-        region, _ = _region({**table, "what": "kept"}, folder, OUTLINE_KEYS)
+        region, _, dropped = _region({**table, "what": "kept"}, folder, OUTLINE_KEYS)
+        _tell_dropped(where, dropped, table, notice)
         if not isinstance(region, shapely.Polygon):
             kind = "drawing" if "drawing" in table else "image"
             raise InputError(
@@ -106,12 +120,12 @@ def _outline_table(where: str, table: Any, folder: Path | None) -> dict[str, Any
 
 def _region(
     table: Mapping[str, Any], folder: Path | None, known: Mapping[str, tuple[str, ...]]
-) -> tuple[shapely.Geometry, str]:
-    """Return what the contours bound, m, and whether that is kept or cut."""
+) -> Drawn:
+    """Return what is drawn."""
     kind = "drawing" if "drawing" in table else "image"
     given = {key: value for key, value in table.items() if key in known[kind] or key != "what"}
     check_keys(kind, given, known[kind])
-    read: Callable[..., tuple[shapely.Geometry, str]] = _drawn if kind == "drawing" else _pictured
+    read = _drawn if kind == "drawing" else _pictured
     return read(_path(kind, table[kind], folder), table)
 
 
@@ -121,7 +135,7 @@ def _path(kind: str, given: Any, folder: Path | None) -> Path:
     return folder / text(kind, given)
 
 
-def _drawn(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, str]:
+def _drawn(path: Path, table: Mapping[str, Any]) -> Drawn:
     chosen: dict[str, Any] = {k: text(k, table[k]) for k in ("layer", "colour") if k in table}
     lengths = in_si(
         "drawing", {k: v for k, v in table.items() if k in ("tolerance", "joint", "slit")}, LENGTHS
@@ -133,7 +147,7 @@ def _drawn(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, str]
     kerf = not_negative("kerf", width["kerf"], "m")
     half = kerf / 2 if what == "cut" else -kerf / 2
     region = even_odd(_contours(source, _modified(path)))
-    return (offset(region, half) if half else region), what
+    return (offset(region, half) if half else region), what, 0
 
 
 @lru_cache(maxsize=16)
@@ -158,7 +172,7 @@ def _modified(path: Path) -> float:
     return path.stat().st_mtime if path.is_file() else 0.0
 
 
-def _pictured(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, str]:
+def _pictured(path: Path, table: Mapping[str, Any]) -> Drawn:
     lengths = in_si("image", {key: table[key] for key in LENGTHS if key in table}, LENGTHS)
     source = ImageSource(
         path,
@@ -168,8 +182,8 @@ def _pictured(path: Path, table: Mapping[str, Any]) -> tuple[shapely.Geometry, s
         not_negative("smoothing", lengths.get("smoothing", 0.0)),
         not_negative("least_area", lengths.get("least_area", 0.0)),
     )
-    region = _read_apart("image =", path, source.region)
-    return region, one_of("what", table.get("what", "kept"), KEPT_OR_CUT)
+    contours, dropped = _read_apart("image =", path, source.contours)
+    return even_odd(contours), one_of("what", table.get("what", "kept"), KEPT_OR_CUT), dropped
 
 
 def offset(region: shapely.Geometry, distance: float) -> shapely.Geometry:

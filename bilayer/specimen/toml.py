@@ -14,6 +14,7 @@ import tomli_w
 
 from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
+from bilayer.runtime.terminal import Notice, keep_quiet
 from bilayer.specimen.drawn import with_drawings
 from bilayer.specimen.long_form import LONG_TABLES, sheet_from_tables, sheet_to_tables
 from bilayer.specimen.overrides import with_overrides
@@ -50,7 +51,9 @@ def paper_specimen() -> Specimen:
     return parse_specimen(template())
 
 
-def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
+def read_specimen(
+    path: str | Path, overrides: Iterable[str] = (), *, notice: Notice = keep_quiet
+) -> Specimen:
     """Read a specimen from a TOML file.
 
     Parameters
@@ -59,6 +62,8 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
         The file.
     overrides : iterable of str
         `"table.key=value"` texts that replace or add single keys, the value written as in TOML.
+    notice : callable
+        Called with a line of text if something of the file was left out, small parts of an image.
 
     Raises
     ------
@@ -76,7 +81,7 @@ def read_specimen(path: str | Path, overrides: Iterable[str] = ()) -> Specimen:
     """
     _check_ending(Path(path))
     text = read_text(path, "specimen file")
-    return parse_specimen_file(text, overrides, str(path), Path(path).parent)
+    return parse_specimen_file(text, overrides, str(path), Path(path).parent, notice)
 
 
 OTHER_FILES = {
@@ -100,6 +105,7 @@ def parse_specimen_file(
     overrides: Iterable[str] = (),
     source: str = "specimen text",
     folder: Path | None = None,
+    notice: Notice = keep_quiet,
 ) -> Specimen:
     """Read a specimen from the text of a user's file; see `read_specimen`.
 
@@ -108,7 +114,7 @@ def parse_specimen_file(
     Unlike `parse_specimen` it asks, by an InputError, whether the unit is meant if a sheet of
     more than a metre or less than 0.1 mm is written without one.
     """
-    data = with_drawings(_tables(text, overrides, source), folder)
+    data = with_drawings(_tables(text, overrides, source), folder, notice)
     specimen = specimen_from_tables(data)
     x, y, far_x, far_y = specimen.outline.polygon.bounds
     width, height = far_x - x, far_y - y

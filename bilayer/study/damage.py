@@ -3,15 +3,14 @@
 A file is set aside by renaming it to NAME.damaged. So none blocks a start, and nothing is lost.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from bilayer.errors import InputError
+from bilayer.runtime.terminal import Notice
 from bilayer.study.case import Case
 from bilayer.study.folder import StudyFolder
 from bilayer.study.scalars import Scalars, read_scalars_of
-
-Notice = Callable[[str], None]
 
 
 def set_aside_strange(folder: StudyFolder, notice: Notice) -> None:

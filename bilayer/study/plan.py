@@ -8,7 +8,7 @@ prestretch alone are one case: its milestones lie on one load path.
 import json
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 
 from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
+from bilayer.runtime.terminal import Notice, keep_quiet
 from bilayer.solvers.registry import SOLVERS, settings_class, solver_named
 from bilayer.specimen.prestretch import MILESTONES_FIELD
 from bilayer.specimen.settings import check_plain, settings_from
@@ -38,13 +39,6 @@ KEYS = ("specimen", "solver", "settings", "vary", "zip", "sample")
 SOLVER_FIELD = "solver"
 SECONDS_BETWEEN_NOTICES = 5.0
 
-Notice = Callable[[str], None]
-"""Takes a line of text for the user."""
-
-
-def _keep_quiet(line: str) -> None:
-    """Tell nobody."""
-
 
 @dataclass(frozen=True)
 class StudyPlan:
@@ -62,7 +56,7 @@ class StudyPlan:
     cases: tuple[Case, ...]
 
 
-def read_study(path: str | Path, *, trust: bool = False, notice: Notice = _keep_quiet) -> StudyPlan:
+def read_study(path: str | Path, *, trust: bool = False, notice: Notice = keep_quiet) -> StudyPlan:
     """Read a study file; every case is checked.
 
     Parameters
@@ -120,7 +114,7 @@ def make_plan(
     settings: Mapping[str, Mapping[str, Any]],
     rows: Sequence[Row],
     folder: Path | None = None,
-    notice: Notice = _keep_quiet,
+    notice: Notice = keep_quiet,
 ) -> StudyPlan:
     """Return the plan of some rows of values, each with every solver.
 

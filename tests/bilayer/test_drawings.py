@@ -1,6 +1,7 @@
 """Drawings read into contours: areas and moments of closed forms, and places of what is wrong."""
 
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -263,6 +264,113 @@ def test_a_unit_that_the_file_does_not_say_is_asked_for(tmp_path: Path, size: st
         DrawingSource(path).contours()
 
 
+NOT_SEEN = {
+    "fill and stroke none": '<rect width="50" height="50" fill="none" stroke="none"/>',
+    "none by a style sheet": '<style>.n{fill:none}</style><rect class="n" width="9" height="9"/>',
+    "hidden": '<g visibility="hidden"><circle r="40" stroke="red"/></g>',
+    "mask": '<mask id="m"><rect width="50" height="50"/></mask>',
+    "marker": '<marker id="m"><path d="M0,0 L5,5 L0,5 z"/></marker>',
+    "symbol that is not used": '<symbol id="s"><rect width="50" height="50"/></symbol>',
+}
+
+
+@pytest.mark.parametrize("name", NOT_SEEN)
+def test_what_nobody_sees_is_left_out(tmp_path: Path, name: str) -> None:
+    seen = '<rect x="1" y="2" width="10" height="10" stroke="red"/>'
+    path = svg(tmp_path / "seen.svg", seen + NOT_SEEN[name])
+    region = even_odd(DrawingSource(path).contours())
+    check(moments(region), box(1, -12, 11, -2))
+
+
+@pytest.mark.parametrize(
+    ("content", "size", "expected"),
+    [
+        (
+            '<symbol id="c"><rect width="5" height="5" stroke="red"/></symbol>'
+            '<use xlink:href="#c" x="3" y="3"/>',
+            PAGE,
+            box(3, -8, 8, -3),
+        ),
+        ('<rect width="50%" height="25%" stroke="red"/>', PAGE, box(0, -20, 50, 0)),
+        (
+            '<svg x="10" y="10" width="40" height="40" viewBox="0 0 20 20">'
+            '<rect width="10" height="10" stroke="red"/></svg>',
+            PAGE,
+            box(10, -30, 30, -10),
+        ),
+        (
+            '<rect width="10" height="10" stroke="red"/>',
+            'width="100mm" height="100mm" viewBox="0 0 100 50"',
+            box(0, -10, 10, 0),
+        ),
+    ],
+)
+def test_what_is_drawn_by_way_of_something_else(tmp_path, content, size, expected) -> None:
+    path = svg(tmp_path / "way.svg", content, size)
+    check(moments(even_odd(DrawingSource(path).contours())), expected)
+
+
+@pytest.mark.parametrize(
+    ("content", "size", "words"),
+    [
+        ('<rect width="1em" height="5"/>', PAGE, r"width = '1em' of a rect: expected a number"),
+        (
+            '<rect width="5" height="5"/>',
+            'width="100mm" height="100mm" viewBox="0 0 100 50" preserveAspectRatio="none"',
+            "unit: missing, the file's preserveAspectRatio gives x and y other scales",
+        ),
+    ],
+)
+def test_lengths_that_an_svg_drawing_does_not_say(tmp_path, content, size, words) -> None:
+    with pytest.raises(InputError, match=words):
+        DrawingSource(svg(tmp_path / "no.svg", content, size)).contours()
+
+
+def dxf_with_more(document, space):
+    """A circle on layer CUT; beside it what is not seen, and a surface on another layer."""
+    space.add_circle((0, 0), 1, dxfattribs={"layer": "CUT"})
+    space.add_circle((0, 0), 5, dxfattribs={"layer": "CUT", "invisible": 1})
+    space.add_circle((9, 0), 3, dxfattribs={"layer": "help"})
+    document.layers.add("help").off()
+    space.add_solid([(0, 0), (1, 0), (0, 1)], dxfattribs={"layer": "frame"})
+
+
+def test_layers_of_a_dxf_drawing_that_are_off_or_named_in_small_letters(tmp_path: Path) -> None:
+    document = ezdxf.new("R2018")
+    document.header["$INSUNITS"] = 4
+    dxf_with_more(document, document.modelspace())
+    document.saveas(path := tmp_path / "more.dxf")
+    with pytest.raises(InputError, match="has a SOLID on layer 'frame'"):
+        DrawingSource(path).contours()
+    # by its name a layer that is off is read, too, and so is what is invisible
+    assert len(DrawingSource(path, layer="cut").contours()) == 2
+    check(moments(even_odd(DrawingSource(path, layer="help").contours())), ellipse(9, 0, 3, 3))
+
+
+def test_a_block_that_is_not_there_is_told(tmp_path: Path) -> None:
+    def draw(document, space):
+        space.add_blockref("nowhere", (0, 0), dxfattribs=ON_CUT)
+
+    path = dxf(tmp_path / "gone.dxf", "R2018", 4, draw)
+    with pytest.raises(InputError, match=r"cannot be read .*nowhere"):
+        DrawingSource(path).contours()
+
+
+def test_names_of_illustrator_are_as_they_were_written(tmp_path: Path) -> None:
+    path = svg(tmp_path / "i.svg", '<g id="cut_x20_1"><circle r="1" stroke="red"/></g>')
+    assert len(DrawingSource(path, layer="Cut 1").contours()) == 1
+
+
+def test_many_contours_take_no_longer_than_their_number() -> None:
+    turn = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    ring = np.column_stack([np.cos(turn), np.sin(turn)])
+    rings = [ring + np.array([3 * (k % 50), 3 * (k // 50)]) for k in range(2000)]
+    begin = time.process_time()
+    region = even_odd([*rings, *(radius * ring + [75, 60] for radius in (60, 59))])
+    assert time.process_time() - begin < 5  # one after the other: 60 s
+    assert not region.is_empty and region.is_valid
+
+
 BAD = {
     "open": (
         "M 10,20 L 30,20 L 30,30",
@@ -394,7 +502,10 @@ def test_an_image_is_contoured(tmp_path: Path) -> None:
     speck = np.hypot(x - 20, y - 20) < 4
     image.fromarray(np.where(ring | speck, 0, 255).astype("uint8")).save(tmp_path / "ring.png")
     pattern = '{ image = "ring.png", width = "60 mm", smoothing = "0.5 mm", least_area = "9 mm^2" }'
-    specimen = bilayer.read_specimen(drawn_sheet(tmp_path, pattern))
+    told = []
+    specimen = bilayer.read_specimen(drawn_sheet(tmp_path, pattern), notice=told.append)
+    (line,) = told
+    assert line.endswith("pattern: 1 parts and holes below least_area = 9 mm^2 dropped")
     kept = specimen.region_of("kirigami")
     assert kept.area == pytest.approx(math.pi * (0.024**2 - 0.012**2), rel=3e-3)
     assert len(specimen.layer("kirigami").pattern.contours) == 2
