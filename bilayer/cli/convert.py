@@ -1,6 +1,7 @@
 """The verb `convert`: the shapes of a result in the formats of other programs."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,16 @@ from bilayer.cli.fields import result_fields
 from bilayer.cli.outputs import Check, check_output
 from bilayer.cli.parser import add_trust_argument, add_verb
 from bilayer.errors import InputError
-from bilayer.exports.conversion import convert, convert_milestones, milestone_names
+from bilayer.exports.conversion import (
+    check_shape_output,
+    convert,
+    convert_milestones,
+    milestone_names,
+)
 from bilayer.exports.frame import FRAMES, IN_MM, UNITS, Axes, usual_unit
 from bilayer.exports.series import SERIES, convert_series, series_names
 from bilayer.exports.solid import SOLIDS, check_solid_output, convert_solid
-from bilayer.mesh.files import check_mesh_output
-from bilayer.mesh.planar_files import WITH_LAYERS
+from bilayer.mesh.formats import WITH_LAYERS
 from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.runtime.output_file import check_writable
 from bilayer.runtime.terminal import one_line, say, tell
@@ -95,7 +100,11 @@ def _check_of(ending: str, options: argparse.Namespace) -> Check:
         return check_solid_output
     if ending in SERIES:
         return check_writable
-    return check_result_output if ending == RESULT else check_mesh_output
+    return check_result_output if ending == RESULT else _check_of_shape(options)
+
+
+def _check_of_shape(options: argparse.Namespace) -> Check:
+    return partial(check_shape_output, part=options.part)
 
 
 def _write_series(result: xr.Dataset, options: argparse.Namespace) -> None:
@@ -111,7 +120,7 @@ def _write_series(result: xr.Dataset, options: argparse.Namespace) -> None:
 def _write_shapes(result: xr.Dataset, options: argparse.Namespace) -> None:
     axes = Axes(options.frame or "result", options.unit or usual_unit(options.output))
     if options.all:
-        check_output(options, check_mesh_output, milestone_names(result, options.output))
+        check_output(options, _check_of_shape(options), milestone_names(result, options.output))
     fields = result_fields(result, options) if options.fields else None
     given: dict[str, Any] = {"fields": fields, "axes": axes}
     if options.all:

@@ -11,9 +11,10 @@ from bilayer.cli.specimen_arguments import (
     read_specimen_argument,
 )
 from bilayer.mesh.files import check_mesh_output
+from bilayer.mesh.formats import check_holds_layers
 from bilayer.mesh.generation import generate_mesh
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.mesh.planar_files import check_mesh_ending, write_planar_mesh
+from bilayer.mesh.planar_files import write_planar_mesh
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.terminal import say, tell
 
@@ -38,7 +39,8 @@ def run(options: argparse.Namespace) -> int:
     check_output(options, check_mesh_output)
     output = Path(options.output)
     specimen = read_specimen_argument(options, options.overrides)
-    check_mesh_ending(output, not all(layer.is_whole for layer in specimen.layers))
+    if not all(layer.is_whole for layer in specimen.layers):
+        check_holds_layers(output)
     with progress_bar("mesh", shown=not options.quiet):
         mesh = generate_mesh(specimen)
     write_planar_mesh(mesh, output)

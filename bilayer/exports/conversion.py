@@ -3,6 +3,7 @@
 The midsurface is the reference surface on the planar mesh; the volume is the layers.
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from bilayer.errors import InputError
 from bilayer.exports.frame import Axes, usual_unit
 from bilayer.exports.shapes import PARTS, MeshData
 from bilayer.mesh.files import check_mesh_output, write_mesh_file
+from bilayer.mesh.formats import HOLD, TRIANGLES_ALONE
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH
 from bilayer.validation import one_of
@@ -110,11 +112,33 @@ def convert_milestones(
     """
     names = milestone_names(result, path)
     for name in names:
-        check_mesh_output(name)
+        check_shape_output(name, part=part)
     result = along_milestones(result)
     for milestone, name in zip(reached(result), names, strict=True):
         write_shape(result, name, int(milestone), part, fields, axes)
     return names
+
+
+def check_shape_output(
+    path: str | Path, inputs: Iterable[str | Path] = (), part: str = "midsurface"
+) -> None:
+    """Raise InputError unless a part of a shape can be written: before it is made.
+
+    Parameters
+    ----------
+    path : path-like
+        Where it shall be; its ending tells the format.
+    inputs : iterable of path-like
+        Files that are read and must not be lost.
+    part : {"midsurface", "volume"}
+        See `convert`.
+    """
+    if part == "volume" and Path(path).suffix.lower() in TRIANGLES_ALONE:
+        raise InputError(
+            f"mesh file {path}: holds triangles, no volume, expected --solid for the closed "
+            f"surface of the body, or an ending of {', '.join(sorted(HOLD['volume']))}"
+        )
+    check_mesh_output(path, inputs, "triangles" if part == "midsurface" else "volume")
 
 
 def milestone_names(result: xr.Dataset, path: str | Path) -> list[Path]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bilayer.errors import BilayerError, InputError
+from bilayer.mesh.formats import Cells, check_holds_cells
 from bilayer.mesh.gmsh_files import PhysicalGroups, is_gmsh, read_gmsh
 from bilayer.runtime.input_file import unreadable
 from bilayer.runtime.output_file import HDF5_ROOM, check_writable, whole_file
@@ -27,8 +28,6 @@ NOT_OF_TRIANGLES = (".ele", ".node", ".f3grid", ".svg", ".wkt")
 """Endings that meshio does not read triangles from; at some it never ends."""
 
 
-WRITTEN_WRONG = (".cgns", ".dgf", ".ele", ".node", ".su2", ".wkt")
-"""Endings of formats that meshio writes so that they cannot be read."""
 WITH_COMPANION = (".xdmf", ".xmf")
 """Endings of formats that keep the numbers in an .h5 file of the same name."""
 SHORTEST_TIME, BYTES_PER_SECOND = 10.0, 1e6
@@ -73,7 +72,9 @@ def _read(path: str | Path) -> "tuple[meshio.Mesh, PhysicalGroups | None]":
         return meshio.read(path), None
 
 
-def check_mesh_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> None:
+def check_mesh_output(
+    path: str | Path, inputs: Iterable[str | Path] = (), cells: Cells = "triangles"
+) -> None:
     """Raise InputError unless a mesh file can be written: before there is a mesh.
 
     Parameters
@@ -82,15 +83,12 @@ def check_mesh_output(path: str | Path, inputs: Iterable[str | Path] = ()) -> No
         Where it shall be; its ending tells the format.
     inputs : iterable of path-like
         Files that are read and must not be lost.
+    cells : {"triangles", "volume"}
+        Of the mesh.
     """
-    import meshio  # takes long to load, and few need it
-
     target = check_writable(path, inputs)
+    check_holds_cells(path, cells)
     ending = Path(path).suffix.lower()
-    endings = sorted(set(meshio.extension_to_filetypes).difference(WRITTEN_WRONG))
-    if ending not in endings:
-        known = ", ".join(endings)
-        raise InputError(f"mesh file {path}: cannot be written, expected an ending of {known}")
     companion = target.with_name(Path(path).name).with_suffix(".h5")
     if ending in WITH_COMPANION and companion.exists() and not target.exists():
         raise InputError(
@@ -109,7 +107,8 @@ def write_mesh_file(mesh: "meshio.Mesh", path: str | Path) -> None:
     ComputationError
         Writing failed, for example on a full disk.
     """
-    check_mesh_output(path)
+    is_surface = all(block.type == "triangle" for block in mesh.cells)
+    check_mesh_output(path, cells="triangles" if is_surface else "volume")
     arrays = [mesh.points, *(block.data for block in mesh.cells), *mesh.point_data.values()]
     room = sum(np.asarray(array).nbytes for array in arrays) + HDF5_ROOM  # .xdmf has an .h5
     with whole_file(path, "mesh file", room) as partial:
@@ -139,5 +138,6 @@ def _meshio_speaks_by_errors(path: str | Path, done: str) -> Iterator[None]:
     except (OSError, BilayerError):
         raise
     except (Exception, SystemExit) as error:
-        reason = " ".join(printed.getvalue().split()) or str(error) or type(error).__name__
+        told = str(error) or type(error).__name__
+        reason = " ".join([*printed.getvalue().split(), told])
         raise InputError(f"mesh file {path}: cannot be {done} ({reason})") from error

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from bilayer.errors import ComputationError
+from bilayer.runtime.surroundings import variables_changed
 
 OPTIONS: Mapping[str, float] = {
     "General.Terminal": 0,
@@ -48,7 +49,7 @@ def gmsh_session(options: Mapping[str, float] | None = None) -> Iterator[Any]:
         with _users_session_kept(gmsh, chosen):
             yield gmsh
         return
-    with _no_home_folder():
+    with variables_changed({"HOME": os.devnull}):  # gmsh's windows begin to keep settings there
         gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         _set(gmsh, chosen)
@@ -56,20 +57,6 @@ def gmsh_session(options: Mapping[str, float] | None = None) -> Iterator[Any]:
         yield gmsh
     finally:
         gmsh.finalize()
-
-
-@contextmanager
-def _no_home_folder() -> Iterator[None]:
-    """Hide the home folder: the windows that gmsh could open would begin to keep settings there."""
-    usual = os.environ.get("HOME")
-    os.environ["HOME"] = os.devnull
-    try:
-        yield
-    finally:
-        if usual is None:
-            del os.environ["HOME"]
-        else:
-            os.environ["HOME"] = usual
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.files import read_mesh_file, write_mesh_file
+from bilayer.mesh.formats import check_holds_layers
 from bilayer.mesh.gmsh_files import PhysicalGroups, groups_by_tag
 from bilayer.mesh.layers_of_groups import groups_of_sets, name_of_layers, region_by_groups
 from bilayer.mesh.planar import PlanarMesh
@@ -25,33 +26,6 @@ if TYPE_CHECKING:
 
 PLANE_TOLERANCE = 1e-9
 """Range of z that a planar mesh in space may have, over its extent."""
-WITH_LAYERS = (".msh", ".vtu", ".vtk", ".xdmf", ".xmf", ".med", ".hmf", ".dat", ".tec", ".xml")
-"""Endings of the formats that hold which layers lie on each triangle."""
-TRIANGLES_ALONE = (
-    ".avs", ".dato", ".e", ".ex2", ".exo", ".inp", ".mdpa", ".mesh", ".meshb", ".obj",
-    ".off", ".ply", ".post", ".stl", ".vol",
-)  # fmt: skip
-"""Endings of those that hold points and triangles, so that all layers lie everywhere."""
-
-
-def check_mesh_ending(path: str | Path, is_divided: bool) -> None:
-    """Raise InputError unless a format holds a planar mesh.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; its ending tells the format.
-    is_divided : bool
-        Whether other layers lie on some of the triangles than on others.
-    """
-    ending = Path(path).suffix.lower()
-    if ending in WITH_LAYERS or (ending in TRIANGLES_ALONE and not is_divided):
-        return
-    why = "cannot hold which layers lie on each triangle, " if ending in TRIANGLES_ALONE else ""
-    raise InputError(
-        f"mesh file {path}: {why or 'cannot be written, '}expected an ending of "
-        f"{', '.join(WITH_LAYERS if is_divided else sorted(WITH_LAYERS + TRIANGLES_ALONE))}"
-    )
 
 
 def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
@@ -79,7 +53,8 @@ def write_planar_mesh(mesh: PlanarMesh, path: str | Path) -> None:
 
     all_layers = frozenset().union(*mesh.layer_sets)
     used = np.unique(mesh.region)
-    check_mesh_ending(path, any(mesh.layer_sets[number] != all_layers for number in used))
+    if any(mesh.layer_sets[number] != all_layers for number in used):
+        check_holds_layers(path)
     points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     region = mesh.region.astype(np.int32)
     data, names = {"region": [region]}, {}

@@ -8,6 +8,7 @@ from typing import Any
 
 from bilayer.errors import BilayerError, ComputationError
 from bilayer.runtime.petsc import start_petsc
+from bilayer.runtime.surroundings import variables_changed
 from bilayer.runtime.temporary_folder import take_usable_temporary_folder
 
 LAUNCHERS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK")
@@ -18,10 +19,23 @@ def join_mpi() -> None:
     """Start MPI if it is installed, so that only one of several ranks speaks and writes."""
     take_usable_temporary_folder()
     with contextlib.suppress(ImportError):
-        import mpi4py.MPI
+        with variables_changed(_ways_to_others()):
+            import mpi4py.MPI
 
         if mpi4py.MPI.COMM_WORLD.Get_size() > 1:
             start_petsc()
+
+
+def _ways_to_others() -> dict[str, str | None]:
+    """Return changes of the variables by which Open MPI reaches other ranks: none if there are.
+
+    A process without others needs no way to them. A limit, a full disk or an odd value of such a
+    variable would end in a report of Open MPI's own.
+    """
+    if any(launcher in os.environ for launcher in LAUNCHERS):
+        return {}
+    hidden = dict.fromkeys(name for name in os.environ if name.startswith("OMPI_MCA_"))
+    return {**hidden, "OMPI_MCA_btl": "self", "OMPI_MCA_pml": "ob1"}
 
 
 def is_first_rank() -> bool:

@@ -8,6 +8,9 @@ import os
 import re
 import sys
 import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 
 from bilayer.errors import MachineError
 from bilayer.runtime.system import most_open_files
@@ -43,7 +46,41 @@ def keep_surroundings_out() -> None:
     for name, pattern in CHECKED.items():
         if name in os.environ and not re.fullmatch(pattern, os.environ[name]):
             del os.environ[name]
+    _name_home_folder()
     _silence_libraries(warned_by_variable)
+
+
+def _name_home_folder() -> None:
+    """Say where the home folder is if nothing does: Open MPI prints that it misses it."""
+    if "HOME" not in os.environ:
+        try:
+            os.environ["HOME"] = str(Path.home())  # as the system's list of users has it
+        except RuntimeError:  # a user of no name, as in a container
+            os.environ["HOME"] = os.sep
+
+
+@contextmanager
+def variables_changed(changes: Mapping[str, str | None]) -> Iterator[None]:
+    """Change variables of the environment of this process within a block.
+
+    Parameters
+    ----------
+    changes : mapping of str to str or None
+        Name to value; None removes it.
+    """
+    usual = {name: os.environ.get(name) for name in changes}
+    _change(changes)
+    try:
+        yield
+    finally:
+        _change(usual)
+
+
+def _change(variables: Mapping[str, str | None]) -> None:
+    for name, value in variables.items():
+        os.environ.pop(name, None)
+        if value is not None:
+            os.environ[name] = value
 
 
 def _silence_libraries(asked_by_variable: bool) -> None:

@@ -13,6 +13,8 @@ from bilayer.specimen.relaxation import ELASTIC, PronySeries
 from bilayer.validation import finite, keep, one_of, positive, text
 
 RESPONSES = ("none", "path", "fixed")
+LONGEST_NAME = 100
+"""Letters of a layer's name, which begins names of variables: NetCDF allows those 256."""
 Tensor = tuple[tuple[float, float], tuple[float, float]]
 """A symmetric 2x2 tensor in the plane, by rows."""
 
@@ -205,4 +207,8 @@ def layer_name(field: str, value: Any) -> str:
     name = text(field, value)
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
         raise InputError(f"{field} = {name!r}: expected letters, digits, - and _, a letter first")
+    if len(name) > LONGEST_NAME:
+        raise InputError(
+            f"{field} = '{name[:20]}...': has {len(name)} letters, expected at most {LONGEST_NAME}"
+        )
     return name

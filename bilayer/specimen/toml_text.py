@@ -4,6 +4,7 @@ Every text of a user's file or option goes through here.
 """
 
 import re
+import sys
 import tomllib
 from collections.abc import Mapping
 from typing import Any
@@ -43,9 +44,11 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         tables = tomllib.loads(text)
     except RecursionError:
         raise InputError(f"{source}: {_TOO_DEEP}") from None
-    except ValueError as error:  # not TOML, or a number that Python does not take
+    except tomllib.TOMLDecodeError as error:
         hint = _hint(text, str(error))
         raise InputError(f"{source}: not a valid TOML file ({error}){hint}") from error
+    except ValueError:  # of Python itself, for a number
+        raise InputError(f"{source}: {_long_number(text)}") from None
     _check_depth(tables, source)
     return tables
 
@@ -61,6 +64,16 @@ def _hint(text: str, error: str) -> str:
     if unquoted:
         return f', expected quotes around a value with a unit: "{unquoted[1]}"'
     return ""
+
+
+def _long_number(text: str) -> str:
+    """Return what is wrong with a text that has a number of more digits than Python reads."""
+    most = sys.get_int_max_str_digits()
+    number = next(run for run in re.finditer(r"[\d_]+", text) if len(run[0]) > most)
+    begin = text.rfind("\n", 0, number.start()) + 1
+    line = text.count("\n", 0, begin) + 1
+    key = text[begin : number.start()].partition("=")[0].strip()[:100]
+    return f"line {line}, {key!r}: a number of {len(number[0])} digits, expected at most {most}"
 
 
 _EXPECTED = f"expected at most {DEEPEST} tables and lists within each other"

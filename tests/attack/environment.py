@@ -27,7 +27,7 @@ SOLVE = (
 MESH = ("mesh", "s.toml", "-o", "m.vtu", "--quiet")
 PLOT = ("plot", "good.nc", "-o", "a.png")
 INFO = ("info", "good.nc")
-MADE = {MESH: ("m.vtu", "m.png"), SOLVE: ("a.nc",), PLOT: ("a.png",), INFO: ()}
+MADE = {MESH: ("m.vtu", "m.vtu.png"), SOLVE: ("a.nc",), PLOT: ("a.png",), INFO: ()}
 
 
 def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
@@ -73,7 +73,8 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         ):
             yield of(f"MPLBACKEND={backend}", words, MPLBACKEND=backend)
     yield of("a matplotlibrc of nonsense", PLOT, made={"matplotlibrc": "backend: nonsense\nx\n"})
-    yield of("a matplotlibrc of binary", PLOT, made={"matplotlibrc": bytes(range(256))})
+    binary = {"matplotlibrc": bytes(range(256))}
+    yield of("a matplotlibrc of binary", PLOT, Right.HANDLED, made=binary)
     yield of("text by TeX", PLOT, made={"matplotlibrc": "text.usetex: True\n"})
     for option in (
         "Mesh.MeshSizeFactor = 0.5;",

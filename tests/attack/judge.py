@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import resource
 import stat
 from collections.abc import Mapping
 from fnmatch import fnmatch
@@ -98,7 +99,7 @@ def _said(attempt: Attempt, ended: Ended) -> str:
 
 def _refusal(attempt: Attempt, ended: Ended) -> str:
     lines = [line for line in ended.stderr.splitlines() if line.strip()]
-    closed = 2 in attempt.streams
+    closed = 2 in attempt.streams or attempt.limits.get(resource.RLIMIT_FSIZE) == 0
     if len(lines) != 1 and not closed and "--verbose" not in attempt.words:
         return f"{len(lines)} lines of error"
     if ended.stdout:

@@ -159,7 +159,7 @@ def attempts(bench: Any, chance: random.Random) -> Iterator[Attempt]:
         "-o",
         "m.vtu",
         right=Right.ACCEPTED,
-        outputs=("m.vtu", "m.png"),
+        outputs=("m.vtu", "m.vtu.png"),
         makes=("m.vtu",),
     )
     yield of("good: solve", *SOLVE, right=Right.ACCEPTED, outputs=("a.nc",), makes=("a.nc",))

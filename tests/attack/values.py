@@ -88,6 +88,8 @@ NO_LENGTH = (
 )
 NO_LENGTH_OR_ZERO = {k: v for k, v in NO_LENGTH.items() if k not in ("zero", "-0.0", "unit 0 mm")}
 NO_STRESS = NO_NUMBER | NOT_POSITIVE | _quantities("kPa", ("4 kg", "4 mm", "4 N", "-4 kPa"))
+NO_CONSTANT = {k: v for k, v in NO_STRESS.items() if k not in (*NOT_POSITIVE, "unit -4 kPa")}
+"""Of a law: it may be negative as long as the law's small-strain modulus is not."""
 NO_ANGLE = NO_NUMBER | NOT_POSITIVE | _quantities("deg", ("4 kg", "4 mm", "4 %", "-4 deg"))
 NO_TURN = NO_NUMBER | _quantities("deg", ("4 kg", "4 mm", "4 %"))
 NO_DENSITY = NO_NUMBER | NOT_POSITIVE | _quantities("kg/m^3", ("4 kg", "4 mm"))
@@ -99,6 +101,7 @@ NO_COUNT = (
 )
 NO_RATIO = NO_NUMBER | {"minus": -1.0, "one": 1.0, "text": "0.49"}
 NO_NAME_OF_TABLE = NO_CHOICE
+NO_LAYER_NAME = {k: v for k, v in NO_CHOICE.items() if k != "unknown"}
 NO_STRETCHES: dict[str, Any] = {
     name: value for name, value in NO_NUMBER.items() if name not in ("list",)
 } | {
@@ -156,6 +159,7 @@ BAD: dict[str, dict[str, Any]] = {
     "length": NO_LENGTH,
     "length or 0": NO_LENGTH_OR_ZERO,
     "stress": NO_STRESS,
+    "constant": NO_CONSTANT,
     "angle": NO_ANGLE,
     "turn": NO_TURN,
     "density": NO_DENSITY,
@@ -164,6 +168,7 @@ BAD: dict[str, dict[str, Any]] = {
     "ratio": NO_RATIO,
     "choice": NO_CHOICE,
     "name": NO_TEXT,
+    "layer name": NO_LAYER_NAME,
     "reference": NO_NAME_OF_TABLE,
     "stretches": NO_STRETCHES,
     "ring": NO_RING,

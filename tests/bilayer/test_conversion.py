@@ -7,7 +7,9 @@ import xarray as xr
 from made_results import cap_result
 
 from bilayer import ComputationError, InputError, result_mesh
+from bilayer.cli.main import main
 from bilayer.exports.conversion import convert, convert_milestones
+from bilayer.results.files import write_result
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +85,19 @@ def test_what_cannot_be_converted_is_said(result, tmp_path, options, message):
     with pytest.raises(InputError, match=message):
         convert(result, tmp_path / "shape.vtu", **options)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("ending", ["stl", "ply", "off", "obj"])
+def test_a_volume_is_not_written_where_it_would_be_lost(result, tmp_path, capsys, ending):
+    """meshio writes such a file without a single triangle."""
+    with pytest.raises(InputError, match=rf"{ending}: holds triangles, no volume, expected an end"):
+        convert(with_volume(result), tmp_path / f"shape.{ending}", part="volume")
+    write_result(with_volume(result), tmp_path / "r.nc")
+    words = ["convert", str(tmp_path / "r.nc"), "-o", str(tmp_path / f"shape.{ending}")]
+    for more in ([], ["--all"]):
+        assert main([*words, "--part", "volume", *more]) == 2
+        assert "no volume, expected --solid for the closed surface" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["r.nc"]
 
 
 def test_a_result_without_shapes(tmp_path):

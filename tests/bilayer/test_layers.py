@@ -117,12 +117,15 @@ def test_regions_are_bits_of_the_layers_that_may_be_missing():
         ([], "layers: there are 0, expected from 1 to 12"),
         ([layer("a"), layer("a")], "layers: 'a' is the name of two"),
         ([3], "layers: 3 is among them"),
+        (["a" * 101], r"name = 'a{20}\.\.\.': has 101 letters, expected at most 100"),
         ("layers", "layers = 'layers': expected a list"),
     ],
 )
 def test_bad_layers_are_named(layers, message):
     with pytest.raises(InputError, match=message):
-        Specimen(OUTLINES["disc"], layers, Prestretch((1.1,)))
+        named = [layer(one) if isinstance(one, str) else one for one in layers]
+        given = layers if isinstance(layers, str) else named
+        Specimen(OUTLINES["disc"], given, Prestretch((1.1,)))
 
 
 def test_a_layer_is_asked_for_by_its_name():

@@ -95,6 +95,11 @@ def test_odd_toml_is_refused_at_once(odd):
     assert time.monotonic() - start < 5
 
 
+def test_a_number_of_too_many_digits_is_told_by_its_line():
+    with pytest.raises(InputError, match=r"^file: line 3, 'x\.y': a number of 5000 digits, exp"):
+        parse_toml(f"# {DIGITS_400}\n[a]\nx.y = [1, {DIGITS_5000}]\n", "file")
+
+
 def test_a_value_of_a_field_that_is_no_toml_names_the_field():
     with pytest.raises(InputError, match=r"^cut.strips = '\[\[.* is nested too deeply"):
         with_overrides({}, ["cut.strips=" + "[" * 60 + "]" * 60], {"cut": ["strips"]})

@@ -1,6 +1,7 @@
 """The user's variables, folders and settings of other programs have no say."""
 
 import os
+import pwd
 import resource
 import subprocess
 import sys
@@ -182,3 +183,36 @@ def test_too_few_open_files_are_told_before_a_verb_begins(bilayer_command):
     assert done.stderr == (
         "bilayer: error: only 40 files may be open at once here, 64 are needed: ulimit -n 64\n"
     )
+
+
+def test_without_a_home_folder_named_the_systems_one_is_taken(monkeypatch):
+    monkeypatch.delenv("HOME")
+    keep_surroundings_out()
+    assert os.environ["HOME"] == pwd.getpwuid(os.getuid()).pw_dir
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr(Path, "home", raise_no_home)
+    keep_surroundings_out()
+    assert os.environ["HOME"] == "/"
+
+
+def raise_no_home():
+    """As `Path.home` in a container whose user has no name."""
+    raise RuntimeError("Could not determine home directory.")
+
+
+@pytest.mark.skipif(not find_spec("mpi4py"), reason="MPI is not installed")
+def test_a_process_without_others_opens_no_way_to_them(tmp_path):
+    """Where a file may have 10 kB, memory shared by ranks cannot be made; nor is there `xyz`."""
+    code = (
+        "from bilayer.runtime.ranks import join_mpi; join_mpi(); import os\n"
+        "print(os.environ['OMPI_MCA_btl'], 'OMPI_MCA_pml' in os.environ)"
+    )
+    own = {name: value for name, value in os.environ.items() if not name.startswith("OMPI_MCA")}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=own | {"OMPI_MCA_btl": "xyz", "PYTHONPATH": str(ROOT)},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000)),
+        capture_output=True,
+        text=True,
+    )
+    assert (done.stdout, done.stderr) == ("xyz False\n", "")
