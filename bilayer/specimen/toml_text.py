@@ -16,6 +16,7 @@ DEEPEST = 12
 LONGEST = 20_000_000
 """Letters; the outline of a scanned drawing takes a few hundred thousand."""
 _PART = r"(?<![\w\"'-])[\"']?[\w-]{1,200}[\"']?[ \t]*\."
+_KEY = re.compile(r"""("[^"\n]*"|'[^'\n]*'|[\w.-]+)[ \t]*=""")
 _LONG_NAME = re.compile(rf"(?:{_PART}[ \t]*){{{2 * DEEPEST}}}")
 
 
@@ -72,8 +73,9 @@ def _long_number(text: str) -> str:
     number = next(run for run in re.finditer(r"[\d_]+", text) if len(run[0]) > most)
     begin = text.rfind("\n", 0, number.start()) + 1
     line = text.count("\n", 0, begin) + 1
-    key = text[begin : number.start()].partition("=")[0].strip()[:100]
-    return f"line {line}, {key!r}: a number of {len(number[0])} digits, expected at most {most}"
+    keys = _KEY.findall(text, begin, number.start())
+    key = keys[-1][:100] if keys else ""
+    return f"line {line}, {key}: a number of {len(number[0])} digits, expected at most {most}"
 
 
 _EXPECTED = f"expected at most {DEEPEST} tables and lists within each other"

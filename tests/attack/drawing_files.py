@@ -73,7 +73,7 @@ def _of(
         DRY,
         {"s.toml": document(tables), "study.toml": STUDY, file: content},
         right,
-        says="drawing|pattern|TOML|nested" if right is Right.REFUSED else "",
+        says="drawing|pattern|TOML|nested|digits" if right is Right.REFUSED else "",
     )
 
 

@@ -96,8 +96,12 @@ def test_odd_toml_is_refused_at_once(odd):
 
 
 def test_a_number_of_too_many_digits_is_told_by_its_line():
-    with pytest.raises(InputError, match=r"^file: line 3, 'x\.y': a number of 5000 digits, exp"):
+    with pytest.raises(InputError, match=r"^file: line 3, x\.y: a number of 5000 digits, exp"):
         parse_toml(f"# {DIGITS_400}\n[a]\nx.y = [1, {DIGITS_5000}]\n", "file")
+    with pytest.raises(InputError, match=r"^file: line 1, \"c d\": a number of 5000 digits"):
+        parse_toml(f'a = [{{b = 1, "c d" = {DIGITS_5000}}}]', "file")
+    with pytest.raises(InputError, match=r"^file: line 2, : a number of 5000 digits"):
+        parse_toml(f"a = [\n{DIGITS_5000}]", "file")
 
 
 def test_a_value_of_a_field_that_is_no_toml_names_the_field():
