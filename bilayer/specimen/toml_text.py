@@ -74,8 +74,8 @@ def _long_number(text: str) -> str:
     begin = text.rfind("\n", 0, number.start()) + 1
     line = text.count("\n", 0, begin) + 1
     keys = _KEY.findall(text, begin, number.start())
-    key = keys[-1][:100] if keys else ""
-    return f"line {line}, {key}: a number of {len(number[0])} digits, expected at most {most}"
+    key = f", {keys[-1][:100]}" if keys else ""
+    return f"line {line}{key}: a number of {len(number[0])} digits, expected at most {most}"
 
 
 _EXPECTED = f"expected at most {DEEPEST} tables and lists within each other"

@@ -100,7 +100,7 @@ def test_a_number_of_too_many_digits_is_told_by_its_line():
         parse_toml(f"# {DIGITS_400}\n[a]\nx.y = [1, {DIGITS_5000}]\n", "file")
     with pytest.raises(InputError, match=r"^file: line 1, \"c d\": a number of 5000 digits"):
         parse_toml(f'a = [{{b = 1, "c d" = {DIGITS_5000}}}]', "file")
-    with pytest.raises(InputError, match=r"^file: line 2, : a number of 5000 digits"):
+    with pytest.raises(InputError, match=r"^file: line 2: a number of 5000 digits"):
         parse_toml(f"a = [\n{DIGITS_5000}]", "file")
 
 
