@@ -173,7 +173,8 @@ def _write_dxf(file: Path, cuts: Lines, marks: Lines, style: Style) -> None:
     space = document.modelspace()
     for name, colour, lines, closed in _layers(cuts, marks, style):
         if lines:
-            document.layers.add(name, true_color=int(colour[1:], 16))
+            layer = document.layers.add(name, true_color=int(colour[1:], 16))
+            layer.dxf.lineweight = 0  # the thinnest there is
         for line in lines:
             space.add_lwpolyline(line / MM, close=closed, dxfattribs={"layer": name})
     document.saveas(file)

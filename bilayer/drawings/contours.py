@@ -43,7 +43,7 @@ def closed_contours(lines: Sequence[Line], joint: float) -> list[Points]:
     [3]
     """
     closed = [line.points for line in lines if line.closed]
-    opened = [line.points for line in lines if not line.closed and len(line.points) > 1]
+    opened = [line.points for line in lines if not line.closed and length(line.points) > joint]
     rings = [_distinct(ring, joint) for ring in (*closed, *_joined(opened, joint))]
     rings = [ring for ring in rings if len(ring) > 2]
     _check_each(rings)
@@ -94,6 +94,11 @@ def _joined(lines: list[Points], joint: float) -> list[Points]:
     other_end = {int(a): int(b) for a, b in (np.flatnonzero(node == n) for n in np.unique(node))}
     other_end |= {b: a for a, b in other_end.items()}
     return _walked(lines, other_end)
+
+
+def length(points: Points) -> float:
+    """Return the length of a line; one no longer than a joint is a dot, and joins nothing."""
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def near_ends(lines: Sequence[Points], joint: float) -> tuple[Points, NDArray[np.intp]]:

@@ -18,9 +18,12 @@ UNITS = {
 """m, by the number of the header's $INSUNITS."""
 ANNOTATIONS = (
     "TEXT", "MTEXT", "ATTRIB", "ATTDEF", "DIMENSION", "LEADER", "MULTILEADER", "POINT", "HATCH",
-    "VIEWPORT", "IMAGE", "XLINE", "RAY",
+    "VIEWPORT", "IMAGE", "XLINE", "RAY", "WIPEOUT", "TOLERANCE", "ARC_DIMENSION", "ACAD_TABLE",
+    "LARGE_RADIAL_DIMENSION", "PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY", "OLE2FRAME",
 )  # fmt: skip
 """Entities that are not cut, and are left out."""
+CONTROL_POINT = 16
+"""Among the flags of a VERTEX: of the frame of a spline."""
 DEEPEST = 16
 """Of blocks within blocks."""
 TURN = 2 * math.pi
@@ -103,8 +106,12 @@ class DxfDocument:
         if number == 0:  # by block
             return of_insert
         if number == 256:  # by layer
-            layers = self._document.layers
-            number = abs(layers.get(layer).color) if layer in layers else 7
+            if layer not in self._document.layers:
+                return "#000000"
+            own = self._document.layers.get(layer)
+            if own.dxf.hasattr("true_color"):
+                return _hexadecimal(own.rgb)
+            number = abs(own.color)
         if number == 7:  # black on white paper, white on a black screen
             return "#000000"
         return _hexadecimal(self._colours.aci2rgb(number))
@@ -138,6 +145,8 @@ def _points(entity: Any, tolerance: float) -> Points | None:
         tool = entity.construction_tool()
         knots = np.unique(np.asarray(tool.knots())[tool.degree : len(tool.knots()) - tool.degree])
         return flattened(lambda t: _flat(tool.points(t)), list(knots), tolerance)
+    if kind == "POLYLINE":
+        _drop_frame(entity)
     if kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
         parts = (_points(part, tolerance) for part in entity.virtual_entities())
         return _chained([part for part in parts if part is not None])
@@ -145,6 +154,11 @@ def _points(entity: Any, tolerance: float) -> Points | None:
         points = [vertex.dxf.location for vertex in entity.vertices]
         return _flat([*points, points[0]] if entity.is_closed else points)
     return None
+
+
+def _drop_frame(polyline: Any) -> None:
+    """Take out the control points of a smoothed polyline, whose curve is given as well."""
+    polyline.vertices[:] = [v for v in polyline.vertices if not v.dxf.flags & CONTROL_POINT]
 
 
 def _chained(parts: list[Points]) -> Points:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from bilayer.drawings.contours import even_odd, groups, near_ends
+from bilayer.drawings.contours import even_odd, groups, length, near_ends
 from bilayer.drawings.lines import Line, Points
 
 MITRE = 5.0
@@ -31,7 +31,7 @@ def without_slits(lines: Sequence[Line], joint: float) -> tuple[list[Line], list
     >>> len(closing), len(slits)
     (1, 1)
     """
-    opened = [line for line in lines if not line.closed and len(line.points) > 1]
+    opened = [line for line in lines if not line.closed and length(line.points) > joint]
     closed = [line for line in lines if line.closed]
     if not opened:
         return closed, []

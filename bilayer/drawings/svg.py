@@ -13,21 +13,9 @@ from numpy.typing import NDArray
 
 from bilayer.drawings.lines import Curve, Line, Points, flattened
 from bilayer.drawings.packages import package
+from bilayer.drawings.svg_tree import GROUPS, LENGTHS, NAMESPACE, SEPARATOR, prepare
 from bilayer.errors import InputError
 
-NAMESPACE = "{http://www.w3.org/2000/svg}"
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-GROUPS = "data-groups"
-"""The attribute in which an element is given the names of the groups around it."""
-SEPARATOR = "\u241f"
-OF_A_RECT = ("x", "y", "width", "height")
-"""Lengths that are 0 if a rectangle leaves them out."""
-MEASURES = ("x", "y", "width", "height", "r", "rx", "ry", "cx", "cy", "x1", "y1", "x2", "y2")
-NOT_DRAWN = tuple(f"{NAMESPACE}{kind}" for kind in ("clipPath", "marker", "mask", "pattern"))
-LENGTHS = {
-    "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3,
-}  # fmt: skip
-"""m. A pixel is not among them: 1/96 inch by CSS, 1/72 for some programs."""
 DISTORTED = (
     "the file's preserveAspectRatio gives x and y other scales, or shows a part alone: expected "
     "unit = 'mm' or another"
@@ -65,10 +53,10 @@ class SvgDocument:
         self.unit = _unit(root, box)
         if _is_distorted(root, box):
             self.unit, self.how_to_tell = None, DISTORTED
-        _check_lengths(path, root)
-        _name_groups(root, ())
-        _write_defaults(root)
-        _set_aside_what_is_not_drawn(root)
+        try:
+            prepare(root)
+        except InputError as error:
+            raise InputError(f"drawing = {str(path)!r}: {error}") from error
         self._root, self._box = root, box
 
     def lines(self, tolerance: float) -> list[Line]:  # noqa: D102
@@ -169,46 +157,6 @@ def _mapped(matrix: Any, curve: Curve, t: Any) -> Points:
     return np.asarray(curve(t) @ linear + [float(matrix.e), float(matrix.f)])
 
 
-def _name_groups(element: ElementTree.Element, names: tuple[str, ...]) -> None:
-    """Give each element the labels (Inkscape) and ids of all groups around it, and its own."""
-    own = (element.get(LABEL), element.get("id"))
-    if element.tag != f"{NAMESPACE}svg":
-        names = (*names, *(name for name in own if name))
-    element.set(GROUPS, SEPARATOR.join(names))
-    for child in element:
-        _name_groups(child, names)
-
-
-def _check_lengths(path: Path, root: ElementTree.Element) -> None:
-    """Raise InputError if a shape has a length that goes with the size of letters or windows."""
-    for element in root.iter():
-        for name in MEASURES:
-            if re.fullmatch(r"[-+.\deE]+(r?em|ex|ch|v[wh])", element.get(name, "").strip()):
-                raise InputError(
-                    f"drawing = {str(path)!r}: {name} = {element.get(name)!r} of a "
-                    f"{element.tag.removeprefix(NAMESPACE)}: expected a number or a length in mm"
-                )
-
-
-def _write_defaults(root: ElementTree.Element) -> None:
-    """Give rectangles what they leave out; svgelements takes the lengths of an svg around them."""
-    for element in root.iter(f"{NAMESPACE}rect"):
-        element.attrib |= {name: element.get(name, "0") for name in OF_A_RECT}
-
-
-def _set_aside_what_is_not_drawn(root: ElementTree.Element) -> None:
-    """Take out masks and the like, and put symbols where `use` alone finds them."""
-    symbols = ElementTree.Element(f"{NAMESPACE}defs")
-    root.insert(0, symbols)
-    for parent in list(root.iter()):
-        for child in list(parent):
-            if child.tag in NOT_DRAWN:
-                parent.remove(child)
-            elif child.tag == f"{NAMESPACE}symbol" and parent is not symbols:
-                parent.remove(child)
-                symbols.append(child)
-
-
 def _layers(shape: Any) -> tuple[str, ...]:
     names = shape.values.get(GROUPS, "").split(SEPARATOR)
     known = [*names, *map(_unescaped, names)]
@@ -216,8 +164,8 @@ def _layers(shape: Any) -> tuple[str, ...]:
 
 
 def _unescaped(name: str) -> str:
-    """Return a name without Illustrator's escapes: "cut_x20_1" is "cut 1"."""
-    return re.sub(r"_x([0-9A-Fa-f]{2})_", lambda found: chr(int(found[1], 16)), name)
+    """Return a name without the escapes of Illustrator and CorelDraw: "cut_x20_1" is "cut 1"."""
+    return re.sub(r"_x((?:[0-9A-Fa-f]{2}){1,2})_", lambda found: chr(int(found[1], 16)), name)
 
 
 def _colour(shape: Any) -> str:

@@ -22,6 +22,8 @@ TURNS = 24
 """Starts about the axis of the thinnest extent."""
 COARSE, MEDIUM, FINE = 200, 800, 6000
 """Points of the scan in the three stages."""
+THIN = 2000
+"""Samples of the surface in the first stage: the nearest of fewer are found sooner."""
 KEPT = 0.85
 """Share of the points, the nearest ones, that steer the first stages."""
 FAR = 3.0
@@ -70,9 +72,10 @@ def placed(scan: Array, surface: Samples) -> Motion:
         What they are laid onto.
     """
     few, some, many = (at_most(count, scan) for count in (COARSE, MEDIUM, FINE))
-    likely = _lowest(starts(scan, surface), few, surface, count=24)
-    rough = [_refined(start, few, surface, steps=4) for start in likely]
-    best = _lowest(rough, few, surface, count=4)
+    thin = surface.thinned(THIN)
+    likely = _lowest(starts(scan, surface), few, thin, count=24)
+    rough = [_refined(start, few, thin, steps=4) for start in likely]
+    best = _lowest(rough, few, thin, count=4)
     better = [_refined(motion, some, surface, steps=LONGEST) for motion in best]
     (start,) = _lowest(better, some, surface, count=1)
     last = _refined(start, many, surface, steps=LONGEST, robust=True)

@@ -1,5 +1,6 @@
 """Points that lie evenly on a surface, with its normals."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -44,6 +45,13 @@ class Samples:
         from scipy.spatial import cKDTree  # slow to load
 
         return cKDTree(self.points)
+
+    def thinned(self, count: int) -> "Samples":
+        """Return about so many of them, which lie as evenly."""
+        step = max(1, len(self.points) // count)
+        few = slice(None, None, step)
+        spacing = self.spacing * math.sqrt(step)
+        return Samples(self.points[few], self.normals[few], spacing, self.diagonal)
 
     def nearest(self, points: Array) -> "Nearest":
         """Return where points lie, seen from the nearest samples.

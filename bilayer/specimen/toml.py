@@ -16,6 +16,7 @@ from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
 from bilayer.runtime.terminal import Notice, keep_quiet
 from bilayer.specimen.drawn import with_drawings
+from bilayer.specimen.drawn_reach import check_reach
 from bilayer.specimen.long_form import LONG_TABLES, sheet_from_tables, sheet_to_tables
 from bilayer.specimen.overrides import with_overrides
 from bilayer.specimen.short_form import (
@@ -63,7 +64,8 @@ def read_specimen(
     overrides : iterable of str
         `"table.key=value"` texts that replace or add single keys, the value written as in TOML.
     notice : callable
-        Called with a line of text if something of the file was left out, small parts of an image.
+        Called with a line of text if something of the file was left out: small parts of an image,
+        what is drawn beyond the sheet.
 
     Raises
     ------
@@ -114,8 +116,10 @@ def parse_specimen_file(
     Unlike `parse_specimen` it asks, by an InputError, whether the unit is meant if a sheet of
     more than a metre or less than 0.1 mm is written without one.
     """
-    data = with_drawings(_tables(text, overrides, source), folder, notice)
+    tables = _tables(text, overrides, source)
+    data = with_drawings(tables, folder, notice)
     specimen = specimen_from_tables(data)
+    check_reach(tables, specimen, notice)
     x, y, far_x, far_y = specimen.outline.polygon.bounds
     width, height = far_x - x, far_y - y
     smallest, largest = USUAL_SIZES

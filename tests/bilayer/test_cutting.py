@@ -6,9 +6,10 @@ import re
 import numpy as np
 import pytest
 import shapely
-from sheets import PATTERNS, drawn_sheet
+from sheets import PATTERNS, circle, drawn_sheet, square
 
 import bilayer
+from bilayer import Polygons
 from bilayer.cli.main import main
 from bilayer.cutting.files import write_cut_files
 from bilayer.cutting.obstacles import obstacles
@@ -34,18 +35,26 @@ def sheet(pattern: bilayer.Pattern, response: str = "none") -> bilayer.Specimen:
     return bilayer.Specimen(bilayer.Disc(0.02), layers, bilayer.Prestretch([1.25]), mesh)
 
 
+RINGS = [shapely.Point(x, 0.001).buffer(r) for x, r in ((0, 0.015), (0.003, 0.008), (0.002, 0.004))]
+KINDS = PATTERNS | {
+    "polygons apart": Polygons((square(0.002, 0.002, 0.005), circle(0.012, 0.006, 0.003))),
+    "contours kept": bilayer.Pattern.from_geometry(RINGS[0] - RINGS[1] | RINGS[2]),
+    "contours cut": bilayer.Pattern.from_geometry(RINGS[0] - RINGS[1] | RINGS[2], "cut"),
+}
+
+
 @pytest.mark.parametrize("ending", ["dxf", "svg"])
 @pytest.mark.parametrize("kerf", [0.0, 2e-4])
-@pytest.mark.parametrize("name", PATTERNS)
+@pytest.mark.parametrize("name", KINDS)
 def test_a_cut_file_read_back_is_the_pattern(tmp_path, name, kerf, ending):
-    specimen = sheet(PATTERNS[name])
+    specimen = sheet(KINDS[name])
     path = tmp_path / f"kirigami.{ending}"
     write_cut_files(specimen, path, ["kirigami"], kerf=kerf)
     rings = DrawingSource(path, layer="cut").contours()
     read = offset(even_odd(rings), -kerf / 2) if kerf else even_odd(rings)
     kept = specimen.region_of("kirigami")
-    if kerf > 0 and any("loose" in place.what for place in obstacles(kept, kerf, 0.0)):
-        assert name == "kept polygons"  # two that touch at a point: the kerf joins them
+    if kerf > 0 and name == "kept polygons":  # two that touch at a point: the kerf joins them
+        assert any("loose" in place.what for place in obstacles(kept, kerf, 0.0))
         return
     # cutouts that begin as a point are narrower than the kerf there
     nearest = 1e-6 if kerf == 0 or name != "pointed profile" else 2e-5
@@ -61,6 +70,12 @@ def test_a_specimen_from_its_own_cut_file(tmp_path):
     read = bilayer.read_specimen(drawn_sheet(tmp_path, pattern)).region_of("kirigami")
     kept = specimen.region_of("kirigami")
     assert shapely.hausdorff_distance(read.boundary, kept.boundary) < 1e-6
+
+
+@pytest.mark.parametrize("ending", ["dxf", "svg"])
+def test_cuts_are_found_by_their_colour(tmp_path, ending):
+    write_cut_files(sheet(PATTERNS["cross"]), tmp_path / f"a.{ending}", ["kirigami"], marks=True)
+    assert len(DrawingSource(tmp_path / f"a.{ending}", colour="red").contours()) == 1
 
 
 def test_a_stretched_layer_is_cut_smaller(tmp_path):
@@ -90,6 +105,15 @@ def test_inner_cuts_come_first():
     region = (rings[0] - rings[1]) | (rings[2] - rings[3])
     sizes = [np.ptp(ring[:, 0]) / 2 for ring in tool_path(region, 0.0)]
     assert sizes == pytest.approx([0.01, 0.02, 0.03, 0.04])
+
+
+def test_lines_are_hairlines(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    write_cut_files(bilayer.paper_specimen(), tmp_path / "a.dxf", ["kirigami"])
+    layer = ezdxf.readfile(tmp_path / "a.dxf").layers.get("cut")
+    assert layer.dxf.lineweight == 0
+    write_cut_files(bilayer.paper_specimen(), tmp_path / "a.svg", ["kirigami"])
+    assert 'stroke-width="0.01"' in (tmp_path / "a.svg").read_text()
 
 
 def test_the_tool_runs_half_a_kerf_outside():

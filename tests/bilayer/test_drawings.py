@@ -1,5 +1,6 @@
 """Drawings read into contours: areas and moments of closed forms, and places of what is wrong."""
 
+import itertools
 import math
 import time
 from pathlib import Path
@@ -303,6 +304,17 @@ def test_what_nobody_sees_is_left_out(tmp_path: Path, name: str) -> None:
             'width="100mm" height="100mm" viewBox="0 0 100 50"',
             box(0, -10, 10, 0),
         ),
+        (  # a symbol of Illustrator
+            '<symbol id="s" viewBox="0 0 10 10"><rect width="10" height="5" stroke="red"/></symbol>'
+            '<use xlink:href="#s" x="10" y="20" width="20" height="20"/>',
+            PAGE,
+            box(10, -30, 30, -20),
+        ),
+        (
+            '<rect width="10mm" height="5mm" stroke="red"/>',
+            f'width="100mm" height="80mm" viewBox="0 0 {9600 / 25.4!r} {7680 / 25.4!r}"',
+            box(0, -5, 10, 0),
+        ),
     ],
 )
 def test_what_is_drawn_by_way_of_something_else(tmp_path, content, size, expected) -> None:
@@ -318,6 +330,11 @@ def test_what_is_drawn_by_way_of_something_else(tmp_path, content, size, expecte
             '<rect width="5" height="5"/>',
             'width="100mm" height="100mm" viewBox="0 0 100 50" preserveAspectRatio="none"',
             "unit: missing, the file's preserveAspectRatio gives x and y other scales",
+        ),
+        (
+            '<rect width="5" height="5" transform="rotate(45)" transform-origin="15 15"/>',
+            PAGE,
+            r"'.*no.svg': transform-origin = '15 15' of a rect: expected transforms about the",
         ),
     ],
 )
@@ -347,6 +364,29 @@ def test_layers_of_a_dxf_drawing_that_are_off_or_named_in_small_letters(tmp_path
     check(moments(even_odd(DrawingSource(path, layer="help").contours())), ellipse(9, 0, 3, 3))
 
 
+def smoothed(document, space):
+    """A triangle, with the frame of the spline that it was smoothed by."""
+    line = space.add_polyline2d([(0, 0), (10, 0), (10, 5), (20, 20), (30, 30)], close=True)
+    line.dxf.flags |= 4
+    for vertex in line.vertices:
+        vertex.dxf.flags |= 8 if vertex.dxf.location.x < 15 else 16
+
+
+def with_dots(document, space):
+    """A triangle whose corner has a line without length, and what is no cut beside it."""
+    ends = [(0, 0), (10, 0), (10, 0), (10, 5), (0, 0)]
+    for start, end in itertools.pairwise(ends):
+        space.add_line(start, end)
+    space.add_wipeout([(0, 0), (50, 50)])
+    space.add_underlay(document.add_underlay_def("plan.pdf"))
+
+
+@pytest.mark.parametrize("draw", [smoothed, with_dots])
+def test_what_dxf_files_hold_beside_a_triangle(tmp_path: Path, draw) -> None:
+    region = even_odd(DrawingSource(dxf(tmp_path / "a.dxf", "R2018", 4, draw)).contours())
+    assert region.area == pytest.approx(25 * MM**2, rel=1e-9)
+
+
 def test_a_block_that_is_not_there_is_told(tmp_path: Path) -> None:
     def draw(document, space):
         space.add_blockref("nowhere", (0, 0), dxfattribs=ON_CUT)
@@ -356,9 +396,18 @@ def test_a_block_that_is_not_there_is_told(tmp_path: Path) -> None:
         DrawingSource(path).contours()
 
 
-def test_names_of_illustrator_are_as_they_were_written(tmp_path: Path) -> None:
-    path = svg(tmp_path / "i.svg", '<g id="cut_x20_1"><circle r="1" stroke="red"/></g>')
+@pytest.mark.parametrize("name", ["cut_x20_1", "cut_x0020_1"])
+def test_names_of_illustrator_and_coreldraw_are_as_they_were_written(tmp_path, name) -> None:
+    path = svg(tmp_path / "i.svg", f'<g id="{name}"><circle r="1" stroke="red"/></g>')
     assert len(DrawingSource(path, layer="Cut 1").contours()) == 1
+
+
+@pytest.mark.parametrize("off", ['style="display:none"', 'display="none"'])
+def test_a_hidden_layer_is_read_by_its_name_alone(tmp_path: Path, off: str) -> None:
+    hidden = f'<g {off} inkscape:label="old"><circle cx="9" r="1" stroke="red"/></g>'
+    path = svg(tmp_path / "h.svg", hidden + '<rect width="5" height="5" stroke="red"/>')
+    check(moments(even_odd(DrawingSource(path).contours())), box(0, -5, 5, 0))
+    check(moments(even_odd(DrawingSource(path, layer="old").contours())), ellipse(9, 0, 1, 1))
 
 
 def test_many_contours_take_no_longer_than_their_number() -> None:
@@ -456,6 +505,28 @@ def test_a_cut_outside_of_the_sheet_is_told_with_its_place(tmp_path: Path) -> No
     path = drawn_sheet(tmp_path, '{ drawing = "far.svg" }')
     with pytest.raises(InputError, match=r"outside of the sheet, around \(70, -5\) mm"):
         bilayer.read_specimen(path)
+
+
+def test_a_cut_that_overruns_the_rim_is_cut_off_there(tmp_path: Path) -> None:
+    """A little is a matter of course, more is told, and much is another unit or origin."""
+    told: list[str] = []
+
+    def read(length: int) -> bilayer.Specimen:
+        cut = f'<rect x="20" y="-3" width="{length}" height="4" stroke="red"/>'
+        svg(tmp_path / "cut.svg", cut)
+        pattern = '{ drawing = "cut.svg" }'
+        return bilayer.read_specimen(drawn_sheet(tmp_path, pattern), notice=told.append)
+
+    kept = read(22).region_of("kirigami")
+    assert not told
+    assert shapely.symmetric_difference(read(40).region_of("kirigami"), kept).area < 1e-12
+    assert told == [
+        "layers[1].pattern: what is drawn reaches 20.1 mm beyond the sheet, to (60, 3) mm from its "
+        "origin; it is cut off at the rim"
+    ]
+    words = r"reaches 100 mm beyond the sheet, to \(140, 3\) mm from its origin; expected it on"
+    with pytest.raises(InputError, match=words):
+        read(120)
 
 
 @pytest.mark.parametrize(
