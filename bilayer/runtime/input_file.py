@@ -5,6 +5,7 @@ for a file. Every reader of the project opens its files here. The reason of a re
 system's own.
 """
 
+import codecs
 import errno
 import os
 import re
@@ -80,7 +81,10 @@ def read_text(
             with open(descriptor, encoding=encoding, closefd=False) as file:
                 return file.read()
         except UnicodeDecodeError as error:
-            raise unreadable(path, what, f"not a text file: {error.reason}") from error
+            reason = f"not a text file: {error.reason}"
+            if error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+                reason = "is UTF-16, as `>` of PowerShell writes it, expected UTF-8"
+            raise unreadable(path, what, reason) from error
         except OSError as error:
             raise unreadable(path, what, _reason(path, error)) from error
 

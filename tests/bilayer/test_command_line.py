@@ -51,6 +51,23 @@ def error_of(capsys, words, status=2):
     return lines[0]
 
 
+def test_init_writes_a_new_file_alone(bilayer_command, tmp_path):
+    """On Windows `>` of PowerShell would write UTF-16."""
+    assert bilayer_command("init", "-o", "a.toml").returncode == 0
+    assert (tmp_path / "a.toml").read_text() == template()
+    (tmp_path / "a.toml").write_text("mine")
+    refused = bilayer_command("init", "-o", "a.toml")
+    assert refused.returncode == 2
+    assert refused.stderr == (
+        "bilayer: error: output file a.toml: is there already, expected the name of a new file\n"
+    )
+    assert (tmp_path / "a.toml").read_text() == "mine"
+    (tmp_path / "u.toml").write_text(template(), "utf-16")
+    read = bilayer_command("solve", "u.toml", "-o", "u.nc")
+    assert read.returncode == 2
+    assert "(is UTF-16, as `>` of PowerShell writes it, expected UTF-8)" in read.stderr
+
+
 def test_init_prints_the_template_that_solve_reads(bilayer_command, tmp_path):
     printed = bilayer_command("init")
     assert (printed.returncode, printed.stdout, printed.stderr) == (0, template(), "")

@@ -18,7 +18,7 @@ PROGRESS = ("dshell: ", "study: ")
 
 WITHOUT = """
 import os, signal, sys
-import psutil, gmsh, netCDF4  # others have their own ways on each system
+import psutil, gmsh, netCDF4, platformdirs  # others have their own ways on each system
 
 for module in ("fcntl", "resource", "pwd", "grp", "termios", "mpi4py", "petsc4py"):
     sys.modules[module] = None
@@ -59,6 +59,9 @@ def test_the_shell_and_a_study_need_nothing_of_linux_alone(command, tmp_path):
     solve = ["solve", "specimen.toml", "--solver", "dshell", "--prestretch", "1.03"]
     assert "yes" in command(*solve, "-o", "shell.nc")
     assert "1 of 1 reached" in command("info", "shell.nc")
+    command("plot", "shell.nc", "-o", "shell.png")
+    command("convert", "shell.nc", "--solid", "-o", "shell.stl")
+    command("cut", "specimen.toml", "-o", "parts.dxf")
     assert "2 done" in command("study", "study.toml", "-o", "out", "--jobs", "2")
     assert len(list((tmp_path / "out" / "cases").glob("*.nc"))) == 2
     assert not list((tmp_path / "out" / "cases").glob("*.failed"))
