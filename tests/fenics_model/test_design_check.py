@@ -1,34 +1,18 @@
 """A design that the finite-element model checks, and whose search it corrects."""
 
-import math
-from dataclasses import replace
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+from designing_by_elements import task_ended_by_elements, task_of
 
 import bilayer
-from bilayer.designing import targets
 from bilayer.designing.report import report_text
-from bilayer.designing.targets import Target, cap
-from bilayer.designing.task import Check, DesignTask
-from bilayer.designing.trust_region import Limits
-from bilayer.designing.variables import Variable, Variables
-
-
-def task_of(evaluations, check):
-    """A thickness for a hemisphere, on coarse meshes."""
-    sheet = replace(bilayer.paper_specimen(), mesh=bilayer.MeshSize(0.013)).with_milestones([1.03])
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(targets, "NODES", 150)
-        target = Target(cap(0.08 / math.pi), "hemisphere")
-    return DesignTask(
-        sheet,
-        target,
-        Variables((Variable("kirigami.thickness", 0.8e-3, 1.3e-3),)),
-        least_gap=0.0,
-        limits=Limits(evaluations),
-        check=check,
-    )
+from bilayer.designing.task import Check
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +26,7 @@ def checked(tmp_path_factory):
 def ended(tmp_path_factory):
     """A design whose search the finite-element model does, from the shell's shape; its folder."""
     folder = tmp_path_factory.mktemp("design") / "dome"
-    return bilayer.design(task_of(1, Check(1, evaluations=2)), folder), folder
+    return bilayer.design(task_ended_by_elements(), folder), folder
 
 
 def test_both_checks_are_there_and_the_last_one_is_of_the_design(checked):
@@ -106,6 +90,31 @@ def test_a_search_by_finite_elements_that_is_finished_is_read(ended, monkeypatch
     again = bilayer.design(outcome.task, folder)
     assert [tried.best for tried in again.history] == [tried.best for tried in outcome.history]
     assert np.array_equal(again.along_the_way.point, outcome.along_the_way.point)
+
+
+def killed_after(seconds, file, folder):
+    """Begin the design, or go on with it, and kill it some time after a file is there."""
+    script = Path(__file__).with_name("killed_design_by_elements.py")
+    with subprocess.Popen([sys.executable, str(script), str(folder)]) as process:
+        while not (folder / file).exists() and process.poll() is None:
+            time.sleep(0.01)
+        time.sleep(seconds)
+        process.send_signal(signal.SIGKILL)
+        assert process.wait() == -signal.SIGKILL, f"finished before it was killed, at {file}"
+
+
+def test_a_search_by_finite_elements_that_is_killed_comes_to_the_same_end(ended, tmp_path):
+    """Killed within its evaluations and within the last check, then run to the end."""
+    outcome, _ = ended
+    folder = tmp_path / "d"
+    killed_after(0.2, "stage-3/0001.npz", folder)
+    assert not (folder / "stage-3" / "0002.npz").exists()
+    killed_after(0.2, "stage-3/0002.npz", folder)
+    assert not (folder / "check-1.nc").exists()
+    again = bilayer.design(task_ended_by_elements(), folder)
+    assert [tried.best for tried in again.history] == [tried.best for tried in outcome.history]
+    assert np.array_equal(again.along_the_way.point, outcome.along_the_way.point)
+    assert again.checks[-1].distance.rms == outcome.checks[-1].distance.rms
 
 
 def test_a_search_without_a_check_of_its_end_is_refused():
