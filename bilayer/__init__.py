@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from bilayer.runtime.version import __version__
     from bilayer.scan.cloud import Cloud, read_cloud
     from bilayer.scan.comparison import compare_scan
+    from bilayer.scan.field import distance_to_scan
     from bilayer.solvers.between import solve_between
     from bilayer.solvers.fields import fields
     from bilayer.solvers.registry import follow, solve
@@ -139,6 +140,7 @@ _MODULES = {
     "bilayer.runtime.version": ("__version__",),
     "bilayer.scan.cloud": ("Cloud", "read_cloud"),
     "bilayer.scan.comparison": ("compare_scan",),
+    "bilayer.scan.field": ("distance_to_scan",),
     "bilayer.solvers.between": ("solve_between",),
     "bilayer.solvers.fields": ("fields",),
     "bilayer.solvers.registry": ("follow", "solve"),

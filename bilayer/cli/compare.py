@@ -2,16 +2,28 @@
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
 
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_json_argument, add_trust_argument, add_verb
 from bilayer.errors import InputError
+from bilayer.mesh.formats import WITH_LAYERS
 from bilayer.results.comparison import compare, comparison_table
 from bilayer.results.files import open_result
+from bilayer.results.milestones import along_milestones
 from bilayer.results.records import comparison_record
 from bilayer.runtime.terminal import say, say_json, warn
 from bilayer.specimen.units import in_si
+
+if TYPE_CHECKING:
+    from bilayer.scan.cloud import Cloud
+    from bilayer.scan.comparison import ScanMatch
+
+RESULT = ".nc"
+MAPS = WITH_LAYERS
+"""Endings of the meshes that hold the distance of a scan as a field."""
 
 
 def add(verbs: Any) -> None:
@@ -35,20 +47,24 @@ def add(verbs: Any) -> None:
         help="the scan is a profile: a table of the upper edge seen from the side, right and up",
     )  # fmt: skip
     add_trust_argument(verb)
-    verb.add_argument("-o", "--output", metavar="FIGURE", help="also draw the comparison")
+    verb.add_argument(
+        "-o", "--output", metavar="FIGURE",
+        help=f"also draw the comparison; of a scan {' '.join(MAPS)} write its distance as a field",
+    )  # fmt: skip
     add_json_argument(verb)
 
 
 def run(options: argparse.Namespace) -> int:
     """Do it; return the exit status."""
+    from bilayer.exports.conversion import check_shape_output
     from bilayer.figures import draw_comparison, save_figure  # matplotlib takes half a second
     from bilayer.figures.saving import check_figure_output
 
-    check_output(options, check_figure_output)
+    check_output(options, check_shape_output if _is_map(options) else check_figure_output)
     _check_order(options)
     if options.profile:
         return _compare_profile(options)
-    if Path(options.other).suffix.lower() != ".nc":
+    if Path(options.other).suffix.lower() != RESULT:
         return _compare_scan(options)
     if options.fit is not None:
         raise InputError(f"--fit {options.fit}: fits a scan, expected no second result")
@@ -66,11 +82,17 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _is_map(options: argparse.Namespace) -> bool:
+    """Whether the distance of a scan is to be written as a field."""
+    of_scan = Path(options.other).suffix.lower() != RESULT
+    return of_scan and Path(options.output or "").suffix.lower() in MAPS
+
+
 def _check_order(options: argparse.Namespace) -> None:
     from bilayer.scan.cloud import MESHES, TABLES
 
     first, second = (Path(path).suffix.lower() for path in (options.result, options.other))
-    if second == ".nc" and first in (*MESHES, *TABLES):
+    if second == RESULT and first in (*MESHES, *TABLES):
         raise InputError(
             f"{options.result} {options.other}: expected the result first, then the scan"
         )
@@ -88,8 +110,6 @@ def _compare_profile(options: argparse.Namespace) -> int:
 
 
 def _compare_scan(options: argparse.Namespace) -> int:
-    from bilayer.figures.saving import save_figure  # matplotlib takes half a second
-    from bilayer.figures.scan import draw_scan
     from bilayer.scan.cloud import read_cloud
     from bilayer.scan.comparison import (
         best_match,
@@ -97,6 +117,7 @@ def _compare_scan(options: argparse.Namespace) -> int:
         scan_record,
         scan_table,
         size_doubt,
+        ways_table,
     )
     from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
 
@@ -108,10 +129,10 @@ def _compare_scan(options: argparse.Namespace) -> int:
     matches = compare_scan(result, cloud)
     best = matches[best_match(matches)]
     record: dict[str, Any] = scan_record(matches)
-    text = scan_table(matches)
+    text = f"{scan_table(matches)}\n\n{ways_table(best)}"
     if options.fit is not None:
         found = fit_to_scan(result, cloud, options.fit, trust=options.trust)
-        best = found.match
+        result, matches, best = found.result, [found.match], found.match
         record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": best.rms}
         text += f"\n\n{scan_fit_report(found)}"
     if options.json:
@@ -119,5 +140,24 @@ def _compare_scan(options: argparse.Namespace) -> int:
     elif not options.quiet:
         say(text)
     if options.output is not None:
-        save_figure(draw_scan(cloud, best), options.output)
+        _write_scan(options, result, cloud, matches)
     return 0
+
+
+def _write_scan(
+    options: argparse.Namespace, result: xr.Dataset, cloud: "Cloud", matches: "list[ScanMatch]"
+) -> None:
+    """Write where the scan is away from the shape that fits best, as a figure or as a field."""
+    from bilayer.exports.conversion import write_shape
+    from bilayer.figures.saving import save_figure  # matplotlib takes half a second
+    from bilayer.figures.scan import draw_scan
+    from bilayer.scan.comparison import best_match
+    from bilayer.scan.field import distance_to_scan
+
+    best = matches[best_match(matches)]
+    if not _is_map(options):
+        save_figure(draw_scan(cloud, best), options.output)
+        return
+    fields = distance_to_scan(result, cloud, matches)
+    whole = along_milestones(result)
+    write_shape(whole, options.output, best.milestone, "midsurface", fields, axes=None)

@@ -65,6 +65,8 @@ SHAPE_FIELDS: Mapping[str, tuple[tuple[str, ...], str, str]] = {
 """The same of the reference surface."""
 PRESTRETCH_FIELD = "layer_prestretch"
 DISTANCE_FIELD = "distance_to_other"
+SCAN_FIELD = "distance_to_scan"
+"""Made by `bilayer.scan.field.distance_to_scan`."""
 
 
 def shape_fields(result: xr.Dataset, other: xr.Dataset | None = None) -> xr.Dataset:

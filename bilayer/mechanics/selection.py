@@ -13,12 +13,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
-from bilayer.mechanics.dataset import DISTANCE_FIELD, LAYER_FIELDS, PRESTRETCH_FIELD, SHAPE_FIELDS
+from bilayer.mechanics.dataset import (
+    DISTANCE_FIELD,
+    LAYER_FIELDS,
+    PRESTRETCH_FIELD,
+    SCAN_FIELD,
+    SHAPE_FIELDS,
+)
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.validation import nearest
 
 PLACES = ("node", "face")
-FIELD_NAMES = (*LAYER_FIELDS, *SHAPE_FIELDS, PRESTRETCH_FIELD, DISTANCE_FIELD)
+FIELD_NAMES = (*LAYER_FIELDS, *SHAPE_FIELDS, PRESTRETCH_FIELD, DISTANCE_FIELD, SCAN_FIELD)
 """All variables of the fields that have a value at places, and the layers' prestretch."""
 SHOWN_UNITS = {
     "1": (1.0, ""),

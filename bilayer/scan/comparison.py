@@ -1,6 +1,7 @@
 """A scan against the shapes of a result: which milestone it is, and how far it is away."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from bilayer.geometry.surface import Surface
 from bilayer.results.milestones import along_milestones
-from bilayer.results.released_shapes import MM_PER_M, released_shapes
+from bilayer.results.released_shapes import MM_PER_M, Shape, released_shapes
 from bilayer.results.schema import result_mesh
 from bilayer.scan.cloud import Cloud
 from bilayer.scan.placing import Motion, outlier_limit, placed, refined
@@ -23,6 +24,13 @@ BACK = 2
 """Every second of them is looked at from the shape to the scan."""
 RANKED = 10_000
 """Points of the scan by which milestones are ranked; the best one gets all of them."""
+MEASURED: Mapping[str, Callable[[Array], float]] = {
+    "rms": lambda distances: float(np.sqrt(np.mean(distances**2))),
+    "mean": lambda distances: float(np.mean(distances)),
+    "95 %": lambda distances: float(np.quantile(distances, 0.95)),
+    "largest": lambda distances: float(np.max(distances)),
+}
+"""What is told of the distances one way, m."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +53,8 @@ class ScanMatch:
         About the distance between neighbours in the scan, m.
     diagonal : float
         Of the box around the shape, m.
+    milestone : int
+        Its place in the result.
     """
 
     title: str
@@ -54,6 +64,7 @@ class ScanMatch:
     back: Array
     spacing: float
     diagonal: float
+    milestone: int
 
     @property
     def inner(self) -> Array:
@@ -66,10 +77,21 @@ class ScanMatch:
         return float(np.sqrt(np.mean(self.inner**2)))
 
     @property
+    def reach(self) -> float:
+        """Distance within which a place of the shape has a point of the scan beside it, m."""
+        return 3 * self.spacing + 3 * self.rms
+
+    @property
     def coverage(self) -> float:
         """Share of the shape that has a point of the scan beside it."""
-        reach = 3 * self.spacing + 3 * self.rms
-        return float(np.mean(self.back <= reach))
+        return float(np.mean(self.back <= self.reach))
+
+    @property
+    def ways(self) -> dict[str, Array]:
+        """Distances from the scan to the shape, and back from where the scan covers it, m."""
+        covered = self.back[self.back <= self.reach]
+        ways = {"scan to shape": self.inner, "shape to scan": covered}
+        return {way: distances for way, distances in ways.items() if len(distances)}
 
     @property
     def cost(self) -> float:
@@ -116,12 +138,11 @@ def compare_scan(result: xr.Dataset, scan: Cloud) -> list[ScanMatch]:
     surfaces = [even_samples(_in_metres(shape.surface), SAMPLES) for shape in shapes]
     some = at_most(RANKED, scan.points)
     matches = [
-        _laid(shape.title, surface, some, placed(some, surface))
+        _laid(shape, surface, some, placed(some, surface))
         for shape, surface in zip(shapes, surfaces, strict=True)
     ]
     best = best_match(matches)
-    fitting = matches[best]
-    matches[best] = _laid(fitting.title, surfaces[best], scan.points, fitting.motion)
+    matches[best] = _laid(shapes[best], surfaces[best], scan.points, matches[best].motion)
     return matches
 
 
@@ -140,7 +161,7 @@ def match_near(result: xr.Dataset, scan: Cloud, motion: Motion) -> ScanMatch:
     reached = along_milestones(result)
     (shape,) = released_shapes(reached, result_mesh(reached))
     surface = even_samples(_in_metres(shape.surface), SAMPLES)
-    return _laid(shape.title, surface, scan.points, refined(motion, scan.points, surface))
+    return _laid(shape, surface, scan.points, refined(motion, scan.points, surface))
 
 
 def size_doubt(result: xr.Dataset, scan: Cloud) -> str:
@@ -191,6 +212,18 @@ def scan_table(matches: list[ScanMatch]) -> str:
     return "\n".join(lines)
 
 
+def ways_table(match: ScanMatch) -> str:
+    """Return the distances both ways in mm and, in brackets, per cent of the shape's diagonal."""
+    names = "".join(f"{name:>18}" for name in MEASURED)
+    lines = [f"{match.title}, mm (% of the diagonal of {MM_PER_M * match.diagonal:.4g} mm)"]
+    lines.append(f"{'':13}{names}")
+    for way, distances in match.ways.items():
+        values = [measure(distances) for measure in MEASURED.values()]
+        texts = [f"{MM_PER_M * v:.3f} ({100 * v / match.diagonal:.2f} %)" for v in values]
+        lines.append(f"{way:13}" + "".join(f"{text:>18}" for text in texts))
+    return "\n".join(lines)
+
+
 def scan_record(matches: list[ScanMatch]) -> dict[str, Any]:
     """Return what `scan_table` shows, in SI units; `best` is the milestone that fits best."""
     return {
@@ -206,13 +239,19 @@ def scan_record(matches: list[ScanMatch]) -> dict[str, Any]:
                 "diagonal": float(match.diagonal),
                 "outliers": float(match.outliers.mean()),
                 "covered": match.coverage,
+                "back": _record_of(match.ways.get("shape to scan", np.array([np.nan]))),
             }
             for match in matches
         ],
     }
 
 
-def _laid(title: str, surface: Samples, scan: Array, motion: Motion) -> ScanMatch:
+def _record_of(distances: Array) -> dict[str, float]:
+    measured = [measure(distances) for measure in MEASURED.values()]
+    return dict(zip(("rms", "mean", "quantile_95", "largest"), measured, strict=True))
+
+
+def _laid(shape: Shape, surface: Samples, scan: Array, motion: Motion) -> ScanMatch:
     """Return the distances of a scan after a motion."""
     from scipy.spatial import cKDTree  # slow to load
 
@@ -222,7 +261,8 @@ def _laid(title: str, surface: Samples, scan: Array, motion: Motion) -> ScanMatc
     area = len(surface.points) * surface.spacing**2
     spacing = math.sqrt(area / max(np.count_nonzero(~outliers), 1))
     back = cKDTree(points[~outliers]).query(surface.points[::BACK])[0]
-    return ScanMatch(title, motion, distances, outliers, back, spacing, surface.diagonal)
+    told = distances, outliers, back, spacing, surface.diagonal
+    return ScanMatch(shape.title, motion, *told, shape.milestone)
 
 
 def _in_metres(surface: Surface) -> Surface:

@@ -1,5 +1,7 @@
 """A scan of the part against a result: which milestone it is, how far it is away."""
 
+import json
+import re
 from pathlib import Path
 
 import meshio
@@ -132,6 +134,46 @@ def test_the_verb(tmp_path, capsys, result):
     assert "--unit" in capsys.readouterr().err
     assert main(["compare", words[2], words[1]]) == 2
     assert "expected the result first, then the scan" in capsys.readouterr().err
+
+
+def test_the_distance_is_a_field_on_the_shape(result):
+    """A scan that lies 0.4 mm above around the middle, and has a hole in a petal."""
+    surface = surface_of(result, 1)
+    samples = even_samples(surface, 8000)
+    points = samples.points
+    middle = surface.points[np.linalg.norm(bilayer.result_mesh(result).points, axis=1).argmin()]
+    lifted = np.linalg.norm(points - middle, axis=1) < 8e-3
+    noise = np.random.default_rng(1).normal(0, NOISE, len(points))
+    points = points + (noise + 4e-4 * lifted)[:, None] * samples.normals
+    points = points[np.linalg.norm(points - surface.points[0], axis=1) > 6e-3]
+    scan = Cloud("lifted", points @ Rotation.from_rotvec([0.4, 1.0, -2.0]).as_matrix().T)
+    fields = bilayer.distance_to_scan(result, scan, compare_scan(result, scan))
+    distance = fields["distance_to_scan"].values[1]
+    assert 0.9 < np.isfinite(distance).mean() < 1
+    away = np.linalg.norm(surface.points - middle, axis=1)
+    inside, outside = np.nanmean(distance[away < 6e-3]), np.nanmean(distance[away > 1e-2])
+    assert inside - outside == pytest.approx(4e-4, rel=0.15)
+    field = bilayer.scalar_field(fields, "distance_to_scan")
+    assert (field.unit, field.location) == ("mm", "node")
+
+
+def test_the_verb_writes_the_field_and_the_distances_both_ways(tmp_path, capsys, result):
+    bilayer.write_result(result.isel(prestretch=[1]), tmp_path / "one.nc")
+    np.savetxt(tmp_path / "scan.csv", 1e3 * scanned(surface_of(result, 1), 3), delimiter=",")
+    words = ["compare", str(tmp_path / "one.nc"), str(tmp_path / "scan.csv")]
+    assert main([*words, "-o", str(tmp_path / "map.vtu")]) == 0
+    ways = capsys.readouterr().out.splitlines()[-4:]
+    assert re.fullmatch(r"λ = 1.12, mm \(% of the diagonal of .* mm\)", ways[0])
+    assert ways[1].split() == ["rms", "mean", "95", "%", "largest"]
+    for line, way in zip(ways[2:], ("scan to shape", "shape to scan"), strict=True):
+        shares = re.fullmatch(way + r" +" + r" +".join([r"([\d.]+) \([\d.]+ %\)"] * 4), line)
+        rms, mean, most, largest = map(float, shares.groups())
+        assert 0 < mean < rms < most < largest < 5
+    written = meshio.read(tmp_path / "map.vtu")
+    assert np.nanmax(np.abs(written.point_data["distance_to_scan [m]"])) < 1e-3
+    assert main([*words, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert 0 < record["milestones"][0]["back"]["rms"] < 2e-3
 
 
 @pytest.mark.parametrize(("unit", "doubtful"), [(1e-3, True), (1.0, False), (25.4, True)])
