@@ -25,7 +25,7 @@ VERBS = {
     "convert": "write the shapes for ParaView and others",
     "export": "write the specimen as Abaqus input decks, which CalculiX runs; one per prestretch",
     "import": "read what CalculiX made of exported decks; write it as NetCDF",
-    "info": "say what made a result, and how far it can be trusted",
+    "info": "say what a sheet is, or what made a result and how far it can be trusted",
     "study": "compute many specimens; a second start goes on where one ended",
     "plot-study": "draw a quantity of a study over one of its fields",
     "design": "find the cuts, thicknesses and prestretch that make a wanted shape",

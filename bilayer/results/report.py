@@ -8,11 +8,8 @@ from bilayer.contact.package import HOW_TO_INSTALL, PACKAGE
 from bilayer.mesh.agreement import layers_defined_by
 from bilayer.results.caveats import (
     SHARPEST_TURN,
-    THICKEST_SHELL,
     is_coarse,
-    is_thick,
     rms_turns,
-    thickness_share,
 )
 from bilayer.results.effort import effort_lines
 from bilayer.results.load_variables import LOAD, RESPONSE
@@ -24,11 +21,14 @@ from bilayer.results.schema import (
     result_mesh,
     result_specimen,
 )
+from bilayer.results.sheet_report import (
+    sheet_lines,
+    warnings_of_laws,
+    warnings_of_thickness,
+)
 from bilayer.results.table import as_shown, cells, stretch_text, stretches, time_column
 from bilayer.runtime.terminal import one_line
 from bilayer.specimen.doubts import doubts
-from bilayer.specimen.layer import BondedLayer, Response
-from bilayer.specimen.materials import stability_warning
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml_text import parse_toml
 
@@ -84,11 +84,7 @@ def provenance(result: xr.Dataset) -> str:
     done = int(result["converged"].sum())
     lines = [
         f"solver      {result.attrs['solver']}, model {result.attrs['model']}",
-        f"specimen    {specimen.name}: {specimen.outline.words}, {_cuts(specimen)}",
-        *_layers(specimen),
-        *(f"held        {support.words}" for support in specimen.supports),
-        *(f"load        {load.words}" for load in specimen.loads),
-        *(f"obstacle    {obstacle.words}" for obstacle in specimen.obstacles),
+        *sheet_lines(specimen),
         f"mesh        {result.sizes['node']} nodes, {result.sizes['face']} triangles",
         *_patterns_of_the_mesh(specimen, result),
         "settings    " + ", ".join(f"{k} = {v!r}" for k, v in _settings(result).items()),
@@ -183,16 +179,8 @@ def _describe_equilibrium(result: xr.Dataset) -> str:
 
 def law_warnings(result: xr.Dataset) -> list[str]:
     """Return a sentence for each layer that a milestone stretches beyond its law's stability."""
-    specimen = result_specimen(result)
     reached = stretches(result)[result["converged"].values == 1]
-    bonded = [specimen.bonded_layers((float(x), float(y))) for x, y in reached]
-    warnings = [
-        stability_warning(
-            parts[0].name, parts[0].layer.material, [part.principal_stretches for part in parts]
-        )
-        for parts in zip(*bonded, strict=True)
-    ]
-    return list(filter(None, warnings))
+    return warnings_of_laws(result_specimen(result), [(float(x), float(y)) for x, y in reached])
 
 
 def describe_lower_states(result: xr.Dataset) -> list[str]:
@@ -253,14 +241,9 @@ def _missing(result: xr.Dataset) -> str:
 
 def thickness_warnings(result: xr.Dataset) -> list[str]:
     """Return a sentence if the sheet of a shell's result is too thick for a shell."""
-    specimen = result_specimen(result)
-    if result.attrs["solver"] != "dshell" or not is_thick(specimen):
-        return []
-    return [
-        f"The sheet is TOO THICK FOR A SHELL: its whole thickness is "
-        f"{thickness_share(specimen):.1%} of the radius of the circle of its area; above "
-        f"{THICKEST_SHELL:.0%} the finite-element model can take another shape, so use that."
-    ]
+    return (
+        warnings_of_thickness(result_specimen(result)) if result.attrs["solver"] == "dshell" else []
+    )
 
 
 def table_warnings(result: xr.Dataset) -> list[str]:
@@ -287,17 +270,6 @@ def _settings(result: xr.Dataset) -> dict[str, object]:
     return parse_toml(result.attrs["settings"], "settings of the result")
 
 
-def _cuts(specimen: Specimen) -> str:
-    """Say which patterns there are, each with its layers if there is more than one."""
-    layers: dict[str, list[str]] = {}
-    for layer in specimen.layers:
-        if layer.pattern is not None:
-            layers.setdefault(layer.pattern.words, []).append(layer.name)
-    if len(layers) < 2:
-        return next(iter(layers), "uncut")
-    return "; ".join(f"{' and '.join(names)}: {words}" for words, names in layers.items())
-
-
 def _patterns_of_the_mesh(specimen: Specimen, result: xr.Dataset) -> list[str]:
     """Say which layers are whole in the specimen and have a pattern by the mesh alone."""
     if not all(layer.is_whole for layer in specimen.layers):
@@ -307,34 +279,3 @@ def _patterns_of_the_mesh(specimen: Specimen, result: xr.Dataset) -> list[str]:
         "specimen has none"
         for name, share in layers_defined_by(result_mesh(result), specimen).items()
     ]
-
-
-def _layers(specimen: Specimen) -> list[str]:
-    """Return a line for each layer, from the bottom up."""
-    lines = []
-    for part in specimen.bonded_layers((1.0, 1.0)):
-        material = part.layer.material
-        line = (
-            f"{part.name + ' ':<12}{1e3 * part.layer.thickness:g} mm, {material.name}, "
-            f"E = {material.young_modulus:.6g} Pa, nu = {material.poisson_ratio:.4g}"
-        )
-        if part.layer.is_stretched:
-            line += f", stretched{_response(part.layer.response)}"
-            line += f", bonded thickness {specimen.prestretch.thickness}"
-        lines.append(f"{line}, {_place(part)}")
-    return lines
-
-
-def _place(part: BondedLayer) -> str:
-    """Say where a layer lies, seen from the reference surface."""
-    if part.is_above:
-        return "above"
-    return "below" if part.top <= 0 else "in the middle"
-
-
-def _response(response: Response) -> str:
-    """Say how a layer is stretched if it is not as the path has it."""
-    words = "" if response.kind == "path" else " by {:g} and {:g}".format(*response.stretch)
-    if response.factor != 1:
-        words += f" {response.factor:g} times as much"
-    return words + (f" at {response.angle:g} rad" if response.angle else "")

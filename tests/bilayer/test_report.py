@@ -6,9 +6,12 @@ import pytest
 from made_results import cap_result, small_specimen
 
 from bilayer import MeshSize, generate_mesh
+from bilayer.cli.main import main
 from bilayer.results.caveats import THICKEST_SHELL
 from bilayer.results.report import describe_trust, provenance
+from bilayer.results.sheet_report import sheet_report
 from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.toml import template
 
 
 def of_thickness(share: float) -> Specimen:
@@ -55,3 +58,25 @@ def test_a_pattern_that_only_the_mesh_has_is_told():
     assert "DEFINES THE PATTERN of kirigami, which lies on 7" in told
     assert "DEFINES" not in provenance(cap_result(specimen))
     assert "DEFINES" not in provenance(cap_result(whole))
+
+
+def test_a_sheet_is_told_before_it_is_solved(tmp_path, capsys):
+    path = tmp_path / "s.toml"
+    path.write_text(template().replace('name = "paper"', 'name = "a\\nfake     line"'))
+    assert main(["info", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "specimen    a\\nfake     line: radius 40 mm, 5 strips" in told
+    assert "kirigami    lies on 77.1% of the area" in told
+    assert "about 1548 triangles" in told
+    assert told.endswith("Nothing in it is doubtful.\n")
+    assert main(["info", str(path), "--specimen"]) == 0
+    assert "[prestretch]" in capsys.readouterr().out
+    assert main(["info", str(path), "--json"]) == 2
+    assert capsys.readouterr().err.startswith("bilayer: error: --json: of a result, expected a .nc")
+
+
+def test_what_is_doubtful_of_a_sheet_is_told():
+    thick = of_thickness(1.2 * THICKEST_SHELL).with_milestones([1.03, 1.4])
+    told = sheet_report(thick)
+    assert "TOO THICK FOR A SHELL" in told
+    assert "The law of the substrate is NOT STABLE" in told
