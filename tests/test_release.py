@@ -25,6 +25,13 @@ def test_the_version_is_one():
     assert yaml_of("docker/conda/recipe.yaml")["context"]["version"] == __version__
 
 
+def test_the_changelog_has_the_release_and_its_date():
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    version, date = re.findall(r"^## \[([\d.]+)\] - ([\d-]+)$", changes, flags=re.MULTILINE)[0]
+    assert version == __version__
+    assert date == str(yaml_of("CITATION.cff")["date-released"])
+
+
 def test_the_citation_is_complete():
     citation = yaml_of("CITATION.cff")
     assert citation["cff-version"] == "1.2.0"

@@ -6,7 +6,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 COMMIT_FILE = Path(__file__).parents[1] / "COMMIT"
 """Written if the package is installed without its repository, as in the Docker image."""
