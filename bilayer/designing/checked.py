@@ -17,7 +17,7 @@ from bilayer.geometry.surface import Surface
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.results.schema import result_mesh
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.registry import solve
+from bilayer.solvers.registry import settings_class, solve
 from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.specimen import Specimen
 
@@ -104,11 +104,25 @@ def check_design(
         milestones_to(specimen.prestretch.milestones[-1], task.check.step)
     )
     resume = file if file.exists() else None
-    result = solve(by_steps, CHECK_SOLVER, mesh=mesh, progress=progress, output=file, resume=resume)
-    return _checked(task, result, file) if bool(result["converged"].values[-1]) else None
+    settings = settings_class(CHECK_SOLVER)(contact=task.check.contact)
+    result = solve(
+        by_steps, CHECK_SOLVER, settings, mesh=mesh, progress=progress, output=file, resume=resume
+    )
+    return checked_from(task, result, file) if bool(result["converged"].values[-1]) else None
 
 
-def _checked(task: DesignTask, result: xr.Dataset, file: Path) -> Checked:
+def checked_from(task: DesignTask, result: xr.Dataset, file: Path) -> Checked:
+    """Return the last milestone of a result of the finite-element model.
+
+    Parameters
+    ----------
+    task : DesignTask
+        What is wanted.
+    result : Dataset
+        The result.
+    file : Path
+        Where it is.
+    """
     mesh, position = result_mesh(result), result["position"].values[-1]
     distance = TargetDistance(task.target.surface, task.target.is_size_free)
     last = result.isel(prestretch=-1) if "prestretch" in result.dims else result

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from bilayer.designing.distance import Distance, Place, TargetDistance
 from bilayer.designing.equilibria import DesignShape, Model, SheetMesh, find_shape
 from bilayer.designing.gap import GapPenalty
+from bilayer.designing.softness import least_stiffness
 from bilayer.designing.task import DesignTask
 from bilayer.errors import ComputationError
 from bilayer.geometry.surface import Surface
+from bilayer.mesh.planar import flat_surface
 from bilayer.specimen.specimen import Specimen
 
 Array = NDArray[np.float64]
@@ -51,6 +53,8 @@ class ShapeFound:
         The equilibrium.
     state_changes : (k, dofs) array of float
         Derivatives of its state by the scaled variables.
+    stiffness : float
+        Its least, see `bilayer.designing.softness`, N/m3; NaN if nobody has asked.
     """
 
     distance: float
@@ -63,13 +67,14 @@ class ShapeFound:
     place: Place
     saved: Mapping[str, NDArray[Any]]
     state_changes: Array
+    stiffness: float = np.nan
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return all of it as arrays, for a file."""
         numbers = [self.distance, self.mean_distance, self.largest_distance, self.gap,
                    self.unstable_modes, self.iterations, self.place.size]  # fmt: skip
         return {
-            "numbers": np.array(numbers),
+            "numbers": np.array([*numbers, self.stiffness]),
             "position": self.position,
             "rotation": self.place.rotation,
             "shift": self.place.shift,
@@ -97,6 +102,7 @@ class ShapeFound:
             Place(arrays["rotation"], arrays["shift"], numbers[6]),
             saved,
             arrays["state_changes"],
+            *numbers[7:],
         )
 
 
@@ -116,6 +122,9 @@ class Evaluation:
         Gauss and Newton's second derivatives, without those of the penalty.
     shapes : tuple of ShapeFound
         By scenario.
+    margins : (s,) array of float
+        By how much the least stiffness of each is more than what is wanted, over that; (0,) if none
+        is wanted.
     """
 
     point: Array
@@ -123,6 +132,7 @@ class Evaluation:
     gradient: Array
     curvature: Array
     shapes: tuple[ShapeFound, ...]
+    margins: Array
 
     @property
     def is_admissible(self) -> bool:
@@ -193,7 +203,18 @@ class Evaluator:
             np.asarray(gradient + by_penalty),
             np.asarray(curvature),
             tuple(part.found for part in parts),
+            self._margins([part.found.stiffness for part in parts]),
         )
+
+    def _margins(self, stiffnesses: list[float]) -> Array:
+        least = self._task.least_stiffness
+        return np.array(stiffnesses) / least - 1 if least > 0 else np.empty(0)
+
+    def _stiffness(self, shape: DesignShape) -> float:
+        if self._task.least_stiffness == 0:
+            return np.nan
+        areas = flat_surface(shape.mesh).node_areas
+        return least_stiffness(shape.equilibrium, shape.linearised, areas)
 
     def _part(
         self, specimen: Specimen, near: ShapeFound | None, step: Array | None, slopes: Array
@@ -225,7 +246,10 @@ class Evaluator:
             np.asarray(curvature),
             penalty,
             penalty_slope,
-            _found(shape, distance, shape.state_changes(names) * slopes[:, None]),
+            _found(
+                shape, distance, shape.state_changes(names) * slopes[:, None],
+                self._stiffness(shape),
+            ),
         )  # fmt: skip
 
     def _penalty(self, shape: DesignShape, slopes: Array) -> tuple[float, Array]:
@@ -253,7 +277,9 @@ class _Part:
     found: ShapeFound
 
 
-def _found(shape: DesignShape, distance: Distance, state_changes: Array) -> ShapeFound:
+def _found(
+    shape: DesignShape, distance: Distance, state_changes: Array, stiffness: float
+) -> ShapeFound:
     here = shape.equilibrium
     if not np.isfinite(distance.mean_square):
         raise ComputationError("the shape has no finite distance from the target")
@@ -268,4 +294,5 @@ def _found(shape: DesignShape, distance: Distance, state_changes: Array) -> Shap
         distance.place,
         here.save(),
         state_changes,
+        stiffness,
     )

@@ -28,6 +28,8 @@ from bilayer.specimen.toml import specimen_to_toml
 SPECIMEN, REPORT, PARTS = "specimen.toml", "report.md", "parts.dxf"
 SHOWN_UNITS = {"m": (1e3, "mm"), "rad": (180 / np.pi, "deg"), "Pa": (1e-3, "kPa")}
 MM = 1e3
+PA_PER_MM = 1e-3
+"""For N/m3."""
 
 
 def write_design(outcome: DesignOutcome, folder: str | Path) -> Path:
@@ -91,6 +93,7 @@ def report_text(outcome: DesignOutcome, parts: Sequence[CutFile]) -> str:
         "",
         *_distances(outcome),
         "",
+        *_stiffness(outcome),
         _seen_from_above(outcome),
         "",
         "![The search](search.png)",
@@ -112,6 +115,7 @@ def _verdict(outcome: DesignOutcome) -> Iterable[str]:
         last = outcome.checks[-1]
         yield f"**Reached, by the finite-element model: {_away(last.distance.rms, diagonal)}.**"
         yield last.words
+        yield from _lowest(outcome)
     else:
         found = outcome.from_flat.shapes[0]
         yield f"**Reached, by the shell alone: {_away(found.distance, diagonal)}.**"
@@ -127,6 +131,19 @@ def _verdict(outcome: DesignOutcome) -> Iterable[str]:
         )
     held = outcome.bounds_reached
     yield f"It is held by {', '.join(held)}." if held else "No bound holds it."
+
+
+def _lowest(outcome: DesignOutcome) -> Iterable[str]:
+    """Yield what a search for lower states found."""
+    found, diagonal = outcome.lowest, outcome.task.target.diagonal
+    if found is None:
+        return
+    yield found.words
+    if found.lowest is not None and not found.is_checked_shape:
+        yield (
+            "So the design is reachable only along its way from flat: the lower state is "
+            f"{_away(found.lowest.distance.rms, diagonal)}."
+        )
 
 
 def _away(distance: float, diagonal: float) -> str:
@@ -160,6 +177,19 @@ def _distances(outcome: DesignOutcome) -> Iterable[str]:
             f"finite elements, run {number}", away.rms, away.mean, away.largest,
             outcome.task.target.diagonal, check.quality, check.hemisphere_distance, check.gap,
         )  # fmt: skip
+
+
+def _stiffness(outcome: DesignOutcome) -> Iterable[str]:
+    """Yield how far from a loss of stability the design is, if a margin is wanted."""
+    wanted = outcome.task.least_stiffness
+    if not wanted:
+        return
+    softest = min(found.stiffness for found in outcome.from_flat.shapes)
+    yield (
+        f"Against its softest deformation the softest shape has {PA_PER_MM * softest:.3g} Pa/mm, "
+        f"where at least {PA_PER_MM * wanted:.3g} Pa/mm were wanted."
+    )
+    yield ""
 
 
 def _seen_from_above(outcome: DesignOutcome) -> str:

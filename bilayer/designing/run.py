@@ -13,6 +13,7 @@ from bilayer.designing.checked import CHECK_SOLVER, Checked, check_design
 from bilayer.designing.equilibria import Model
 from bilayer.designing.evaluation import Evaluation
 from bilayer.designing.folder import DesignFolder
+from bilayer.designing.lowest import Lowest, look_for_lowest
 from bilayer.designing.stage import Stage, correction_between
 from bilayer.designing.task import DESIGN_SOLVER, DesignTask, read_design
 from bilayer.designing.trust_region import Iterate, NoValueError
@@ -32,6 +33,8 @@ CORRECTED_EVALUATIONS = 5
 """Of a search with corrected shapes, which are true near the checked design alone."""
 NEARBY = {"first_step": 0.05, "largest_step": 0.1, "smallest_step": 0.01, "flow_steps": 0}
 """Settings of the finite-element model from one design to the next: a far one fails soon."""
+NEAR_ENOUGH = 0.05
+"""Margin of the least stiffness, relative, that holds a design."""
 FIRST_RADIUS_AGAIN = 0.05
 """Half the width of the first box of a later stage."""
 
@@ -85,6 +88,8 @@ class DesignOutcome:
         Why there are none from flat, or empty.
     check_failure : str
         Why the last check came to nothing, or empty.
+    lowest : Lowest or None
+        What a search for lower states found, if one was wanted.
     history : tuple of Tried
         All evaluations.
     checks : tuple of Checked
@@ -100,6 +105,7 @@ class DesignOutcome:
     checks: tuple[Checked, ...] = ()
     flat_failure: str = ""
     check_failure: str = ""
+    lowest: Lowest | None = None
 
     @property
     def solves(self) -> int:
@@ -139,7 +145,9 @@ class DesignOutcome:
             for bound, at in ((variable.low, share < 1e-3), (variable.high, share > 1 - 1e-3))
             if at
         ]
-        return ends + self.task.widths.binding(self.specimen)
+        margin = self.from_flat.margins.min(initial=np.inf)
+        softest = ["least_stiffness"] if margin < NEAR_ENOUGH else []
+        return ends + self.task.widths.binding(self.specimen) + softest
 
 
 def design(
@@ -232,7 +240,15 @@ class _Design:
                 searched = self._search(stage, self._left - 1)
             except NoValueError:
                 break
-        return self._checked(self._look(searched))
+        return self._with_lowest(self._checked(self._look(searched)))
+
+    def _with_lowest(self, outcome: DesignOutcome) -> DesignOutcome:
+        """Return a design with what is known of lower states than the one of its last check."""
+        if not self._task.check.starts or outcome.check_failure:
+            return outcome
+        last = outcome.checks[-1]
+        lowest = look_for_lowest(self._task, last, self._folder.path, self._progress)
+        return replace(outcome, lowest=lowest)
 
     def _checked(self, outcome: DesignOutcome) -> DesignOutcome:
         """Return a design that the finite-element model has checked, as often as is wanted.

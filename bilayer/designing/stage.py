@@ -186,6 +186,7 @@ def _to_arrays(found: Evaluation) -> Arrays:
         "value": np.array(found.value),
         "gradient": found.gradient,
         "curvature": found.curvature,
+        "margins": found.margins,
     }
     for number, shape in enumerate(found.shapes):
         for name, value in shape.arrays().items():
@@ -205,4 +206,5 @@ def _from_arrays(held: Arrays) -> Evaluation:
         held["gradient"],
         held["curvature"],
         tuple(ShapeFound.of(shapes[number]) for number in sorted(shapes)),
+        held.get("margins", np.empty(0)),
     )

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -26,17 +26,20 @@ from bilayer.errors import InputError
 from bilayer.runtime.input_file import read_text
 from bilayer.solvers.registry import settings_class
 from bilayer.specimen.pattern import CutPattern, SectorProfile
-from bilayer.specimen.settings import settings_from, settings_to_toml
+from bilayer.specimen.settings import CONTACT_CHOICES, settings_from, settings_to_toml
 from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen, specimen_to_toml
 from bilayer.specimen.toml_text import parse_toml
 from bilayer.specimen.units import in_si
-from bilayer.validation import keep, nearest, not_negative, positive, shown, whole, within
+from bilayer.validation import keep, nearest, not_negative, one_of, positive, shown, whole, within
 
 KEYS = ("specimen", "target", "free", "profile", "robust", "constraints", "search", "check")
 CONSTRAINTS = {
     "least_web": "m", "least_slot": "m", "least_radius": "m", "least_gap": "m",
+    "least_stiffness": "N/m^3",
 }  # fmt: skip
+OF_SHAPE = ("least_gap", "least_stiffness")
+"""Constraints of the shape, not of what is cut."""
 DESIGN_SOLVER = "dshell"
 RADII = (Limits.least_radius, 1.0)
 """Of the first box of the search."""
@@ -56,17 +59,26 @@ class Check:
         Longest step of the prestretch from one milestone to the next.
     evaluations : int
         Of the search by the finite-element model itself, before the last run.
+    contact : {"none", "barrier"}
+        Of all runs and of the search for lower states: whether the sheet may press on itself.
+    starts : int
+        Of a search for lower states after the last run; 0: none.
     """
 
     runs: int = 0
     mesh_size: float | None = None
     step: float = 0.1
     evaluations: int = 0
+    contact: str = "none"
+    starts: int = 0
 
     def __post_init__(self) -> None:
         keep(self, whole, "runs", "evaluations", table="check.", at_least=0, at_most=100)
-        if self.evaluations and not self.runs:
-            raise InputError("check.runs = 0: expected at least 1 after check.evaluations")
+        keep(self, whole, "starts", table="check.", at_least=0, at_most=10_000)
+        keep(self, one_of, "contact", table="check.", choices=CONTACT_CHOICES)
+        for name in ("evaluations", "starts"):
+            if getattr(self, name) and not self.runs:
+                raise InputError(f"check.runs = 0: expected at least 1 after check.{name}")
         if self.mesh_size is not None:
             keep(self, positive, "mesh_size", table="check.", unit="m")
         keep(self, positive, "step", table="check.")
@@ -90,6 +102,9 @@ class DesignTask:
         What can be cut.
     least_gap : float
         Two places of the sheet that nearly touch shall stay so far apart, m.
+    least_stiffness : float
+        Of every shape against its softest deformation, N/m3, see `bilayer.designing.softness`; 0:
+        any that is stable.
     limits : Limits
         Of the search; evaluations of the shape at all scenarios each.
     settings : settings dataclass
@@ -107,6 +122,7 @@ class DesignTask:
     limits: Limits = field(default_factory=lambda: Limits(40))
     settings: Any = None
     check: Check = field(default_factory=Check)
+    least_stiffness: float = 0.0
 
     def __post_init__(self) -> None:
         own = self.specimen.with_milestones([self.specimen.prestretch.milestones[-1]])
@@ -116,6 +132,7 @@ class DesignTask:
         if self.settings is None:
             object.__setattr__(self, "settings", settings_class(DESIGN_SOLVER)())
         keep(self, not_negative, "least_gap", unit="m")
+        keep(self, not_negative, "least_stiffness", unit="N/m^3")
         shares = self.variables.shares_of(own)
         for variable, share in zip(self.variables.variables, shares, strict=True):
             if not 0 <= share <= 1:
@@ -144,6 +161,8 @@ class DesignTask:
             repr(self.variables), repr(self.robustness), repr(self.widths), repr(self.least_gap),
             repr(self.limits), self.target.identity,
         ]  # fmt: skip
+        if self.least_stiffness:  # folders of before knew none
+            parts.append(f"least_stiffness={self.least_stiffness!r}")
         return sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
 
@@ -202,14 +221,14 @@ def read_design(path: str | Path) -> DesignTask:
         specimen = with_profile(specimen, **_known("profile", tables["profile"], ("knots",)))
     constraints = in_si("constraints", _known("constraints", tables.get("constraints", {}),
                                               CONSTRAINTS), CONSTRAINTS)  # fmt: skip
-    gap = {"least_gap": constraints.pop("least_gap")} if "least_gap" in constraints else {}
+    of_shape = {name: constraints.pop(name) for name in OF_SHAPE if name in constraints}
     search = dict(_table("search", tables.get("search", {})))
     settings: Any = settings_from(
         settings_class(DESIGN_SOLVER), _table("search.settings", search.pop("settings", {}))
     )
     check = in_si(
         "check",
-        _known("check", tables.get("check", {}), ("runs", "mesh_size", "step", "evaluations")),
+        _known("check", tables.get("check", {}), [each.name for each in fields(Check)]),
         {"mesh_size": "m"},
     )
     return DesignTask(
@@ -221,7 +240,7 @@ def read_design(path: str | Path) -> DesignTask:
         limits=_limits(search),
         settings=settings,
         check=Check(**check),
-        **gap,
+        **of_shape,
     )
 
 

@@ -56,6 +56,13 @@ class Evaluated(Protocol):
     def is_admissible(self) -> bool:
         """Whether the minimiser may stay here."""
 
+    @property
+    def margins(self) -> Array:
+        """What shall not be negative, as dear as the value, (m,).
+
+        Its slopes are learnt from one evaluation to the next.
+        """
+
 
 E = TypeVar("E", bound=Evaluated)
 
@@ -101,6 +108,8 @@ class Iterate(Generic[E]):
         Why the last evaluation failed; empty if it did not.
     ceiling : float
         To which the radius may grow: less than of steps that were in vain.
+    slopes : (m, n) array of float
+        Of the margins, as far as they are learnt; 0 along ways that were not gone.
     """
 
     evaluations: int
@@ -109,8 +118,9 @@ class Iterate(Generic[E]):
     tried: E | None
     radius: float
     curvature: Array
-    failure: str = ""
-    ceiling: float = LARGEST_RADIUS
+    failure: str
+    ceiling: float
+    slopes: Array
 
 
 def search(
@@ -142,7 +152,8 @@ def search(
     steepest = float(np.abs(best.gradient).max()) or 1.0
     first: Array = np.asarray(np.eye(len(start)) * steepest / limits.radius)
     curvature = first if best.curvature is None else best.curvature
-    here = Iterate(1, start, best, best, limits.radius, curvature)
+    slopes = np.zeros((len(best.margins), len(start)))
+    here = Iterate(1, start, best, best, limits.radius, curvature, "", LARGEST_RADIUS, slopes)
     yield here
     while here.evaluations < limits.evaluations and here.radius >= limits.least_radius:
         step = model_step(here, constraints)
@@ -160,6 +171,8 @@ def model_step(here: Iterate[Any], constraints: Callable[[Array], Array] | None)
     high = np.minimum(here.radius, 1 - here.point)
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     shall = [] if constraints is None else [_linear(constraints, here.point, low, high)]
+    if len(here.slopes):
+        shall.append(_at_least(here.best.margins, here.slopes))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of steps beyond a bound by round-off
         found = scipy.optimize.minimize(
@@ -186,7 +199,12 @@ def _linear(
             for step, axis in zip(steps, np.eye(len(point)), strict=True)
         ]
     )
-    at = np.maximum(at, 0.0)  # what is violated shall not become worse
+    return _at_least(at, slopes)
+
+
+def _at_least(at: Array, slopes: Array) -> dict[str, Any]:
+    """Return linear margins that shall not be negative; one that is shall not become worse."""
+    at = np.maximum(at, 0.0)
     return {"type": "ineq", "fun": lambda step: at + slopes @ step, "jac": lambda step: slopes}
 
 
@@ -207,7 +225,9 @@ def _after(here: Iterate[E], step: Array, evaluate: Callable[[Array, E | None], 
     if curvature is None:
         curvature = updated(here.curvature, step, there.gradient - here.best.gradient)
     ratio = fall / expected if expected > 0 else -1.0
-    taken = ratio > ENOUGH and there.is_admissible
+    slopes = _learnt(here.slopes, step, there.margins - here.best.margins)
+    holds = bool((there.margins >= np.minimum(here.best.margins, 0.0)).all())
+    taken = ratio > ENOUGH and there.is_admissible and holds
     length = float(np.abs(step).max())
     radius, ceiling = here.radius, here.ceiling
     if not taken or ratio < ENOUGH:
@@ -218,13 +238,21 @@ def _after(here: Iterate[E], step: Array, evaluate: Callable[[Array, E | None], 
         radius = max(radius, min(GROW * radius, ceiling))
     if taken:
         point = here.point + step
-        return Iterate(count, point, there, there, radius, curvature, ceiling=ceiling)
+        return Iterate(count, point, there, there, radius, curvature, "", ceiling, slopes)
     if there.curvature is not None:
         curvature = here.curvature
     return replace(
         here, evaluations=count, tried=there, radius=radius, curvature=curvature, failure="",
-        ceiling=ceiling,
+        ceiling=ceiling, slopes=slopes,
     )  # fmt: skip
+
+
+def _learnt(slopes: Array, step: Array, change: Array) -> Array:
+    """Return slopes that give the change along the last step, and else are as before.
+
+    Broyden, Mathematics of Computation 19, 577 (1965).
+    """
+    return np.asarray(slopes + np.outer(change - slopes @ step, step) / (step @ step))
 
 
 def updated(curvature: Array, step: Array, change: Array) -> Array:

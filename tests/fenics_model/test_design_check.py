@@ -1,9 +1,11 @@
 """A design that the finite-element model checks, and whose search it corrects."""
 
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +13,11 @@ import pytest
 from designing_by_elements import task_ended_by_elements, task_of
 
 import bilayer
+from bilayer.designing.checked import checked_from
+from bilayer.designing.lowest import look_for_lowest
 from bilayer.designing.report import report_text
 from bilayer.designing.task import Check
+from bilayer.solvers.rerun import result_settings
 
 
 @pytest.fixture(scope="module")
@@ -120,3 +125,42 @@ def test_a_search_by_finite_elements_that_is_killed_comes_to_the_same_end(ended,
 def test_a_search_without_a_check_of_its_end_is_refused():
     with pytest.raises(bilayer.InputError, match=r"check\.runs = 0"):
         Check(0, evaluations=2)
+
+
+@pytest.fixture(scope="module")
+def looked_for(ended, tmp_path_factory):
+    """The design of before, checked with contact and as the lowest state."""
+    task = task_ended_by_elements()
+    folder = tmp_path_factory.mktemp("design") / "dome"
+    shutil.copytree(ended[1], folder)
+    (folder / "check-1.nc").unlink()
+    task = replace(task, check=replace(task.check, contact="barrier", starts=2))
+    return bilayer.design(task, folder), folder
+
+
+def test_a_check_has_contact_and_looks_for_lower_states(looked_for):
+    outcome, folder = looked_for
+    settings = result_settings(bilayer.open_result(folder / "check-1.nc"))
+    assert settings.contact == "barrier"
+    assert outcome.lowest.is_checked_shape
+    assert "and this is the lowest" in report_text(outcome, [])
+
+
+def test_a_lower_state_than_the_checked_one_is_told(looked_for, tmp_path):
+    """Four strips have two states; the higher one, by the shell, takes the place of the check."""
+    outcome, _ = looked_for
+    petals = replace(bilayer.paper_specimen().layer("kirigami").pattern, strips=4)
+    sheet = bilayer.paper_specimen().with_layer("kirigami", pattern=petals)
+    sheet = replace(sheet, mesh=bilayer.MeshSize(0.013)).with_milestones([1.06])
+    higher = bilayer.states(sheet, starts=4).isel(prestretch=[1])
+    file = tmp_path / "check-1.nc"
+    bilayer.write_result(higher, file)
+    task = replace(outcome.task, check=Check(1, starts=4))
+    found = look_for_lowest(task, checked_from(task, higher, file), tmp_path)
+    assert -0.01 < found.below < -0.001
+    assert found.lowest.distance.rms > 0
+    assert (found.below_by_elements < 0) is not found.is_checked_shape
+    lower = replace(found, below_by_elements=-0.004)
+    text = report_text(replace(outcome, lowest=lower), [])
+    assert "by the finite-element model 0.40% less" in text
+    assert f"the lower state is {1e3 * found.lowest.distance.rms:.4g} mm from the target" in text

@@ -1,6 +1,6 @@
 """The search: bounds, constraints, failures, with and without a curvature."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ class Value:
     gradient: np.ndarray
     curvature: np.ndarray | None = None
     is_admissible: bool = True
+    margins: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +24,7 @@ class At:
     gradient: np.ndarray
     curvature: np.ndarray
     is_admissible: bool = True
+    margins: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 CENTRE = np.array([0.3, 0.9, 1.4])
@@ -56,6 +58,35 @@ def test_a_constraint_holds():
 
     found = last(bowl, 40, margins, start=0.3)
     assert found.point.sum() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_margin_that_only_an_evaluation_knows_holds():
+    """A disc about the start, whose slopes the search has to learn."""
+    start = np.full(3, 0.5)
+    tried = []
+
+    def guarded(point, best):
+        tried.append(point)
+        margin = np.array([0.04 - float((point - start) @ (point - start))])
+        found = bowl(point, best, STIFF)
+        return Value(found.value, found.gradient, STIFF, True, margin)
+
+    found = last(guarded, 40)
+    free = last(lambda point, best: bowl(point, best, STIFF), 40)
+    assert free.best.value < found.best.value  # the margin costs something
+    assert 0 <= found.best.margins[0] < 2e-3  # and holds
+    along = found.best.gradient @ (found.point - start)
+    assert along < -0.97 * np.linalg.norm(found.best.gradient) * 0.2  # the best place of the disc
+
+
+def test_a_margin_that_is_short_at_first_does_not_become_shorter():
+    def guarded(point, best):
+        found = bowl(point, best, STIFF)
+        return Value(found.value, found.gradient, STIFF, True, np.array([0.3 - point[0]]))
+
+    found = last(guarded, 20)
+    assert found.point[0] <= 0.5
+    assert found.best.value < bowl(np.full(3, 0.5), None).value
 
 
 def test_the_box_shrinks_where_there_is_no_value_and_the_search_goes_on():
