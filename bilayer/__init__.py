@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from bilayer.solvers.fields import fields
     from bilayer.solvers.registry import follow, solve
     from bilayer.solvers.scan_fit import fit_to_scan
+    from bilayer.specimen.density_field import DensityField
     from bilayer.specimen.layer import BondedLayer, Layer, Response
     from bilayer.specimen.load import Load
     from bilayer.specimen.materials import (
@@ -156,6 +157,7 @@ _MODULES = {
         "Yeoh",
         "register_law",
     ),
+    "bilayer.specimen.density_field": ("DensityField",),
     "bilayer.specimen.layer": ("BondedLayer", "Layer", "Response"),
     "bilayer.specimen.load": ("Load",),
     "bilayer.specimen.obstacle": ("PlaneObstacle", "SphereObstacle"),

@@ -37,6 +37,7 @@ from bilayer.specimen.settings import setting
 from bilayer.specimen.specimen import (
     KIRIGAMI_LAYER,
     Specimen,
+    refuse_fields,
     refuse_loading,
     refuse_obstacles,
     refuse_time,
@@ -135,6 +136,7 @@ def write_decks(
     """
     refuse_loading(specimen, "a CalculiX deck")
     refuse_time(specimen, "a CalculiX deck")
+    refuse_fields(specimen, "a CalculiX deck")
     refuse_obstacles(specimen, "a CalculiX deck")
     check_agreement(specimen, mesh)
     names = deck_names(specimen, path)

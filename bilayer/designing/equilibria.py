@@ -132,6 +132,7 @@ class DesignShape:
         self.specimen, self._mesh = specimen, mesh
         self._path, self.equilibrium = path, equilibrium
         self._state_changes: dict[str, Array] = {}
+        self._fixed_changes: dict[str, tuple[Array, Array]] = {}
 
     def close(self) -> None:
         """Free what the solver holds."""
@@ -209,6 +210,11 @@ class DesignShape:
 
     def _fixed_state_changes(self, name: str) -> tuple[Array, Array]:
         """Return the derivatives of residual and position by a number, the state fixed."""
+        if name not in self._fixed_changes:
+            self._fixed_changes[name] = self._compute_fixed_changes(name)
+        return self._fixed_changes[name]
+
+    def _compute_fixed_changes(self, name: str) -> tuple[Array, Array]:
         equations = self.linearised
         if not is_of_the_sheet(name):
             return equations.residual_by(name), equations.position_by(name)

@@ -14,6 +14,7 @@ import shapely
 from numpy.typing import NDArray
 
 from bilayer.errors import InputError
+from bilayer.specimen.density_field import DensityField
 from bilayer.specimen.outline import Disc, Outline
 from bilayer.specimen.pattern import CutPattern, Pattern, SectorProfile
 from bilayer.specimen.specimen import Specimen
@@ -51,7 +52,13 @@ def move_points(points: Array, before: Specimen, after: Specimen) -> Array:
 
 
 def _geometry(specimen: Specimen) -> tuple[Outline, tuple[Pattern | None, ...]]:
-    return specimen.outline, tuple(layer.pattern for layer in specimen.layers)
+    return specimen.outline, _cuts(specimen)
+
+
+def _cuts(specimen: Specimen) -> tuple[Pattern | None, ...]:
+    """Return the pattern of each layer; a field of density cuts nothing."""
+    patterns = [layer.pattern for layer in specimen.layers]
+    return tuple(None if isinstance(each, DensityField) else each for each in patterns)
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,7 @@ class PolarSheet:
     @classmethod
     def of(cls, specimen: Specimen) -> "PolarSheet":
         """Return the sheet of a specimen."""
-        cuts = {layer.pattern for layer in specimen.layers if layer.pattern is not None}
+        cuts = {*_cuts(specimen)} - {None}
         cut = next(iter(cuts), None)
         if len(cuts) > 1 or not isinstance(cut, CutPattern | SectorProfile | None):
             raise InputError(

@@ -1,6 +1,7 @@
 """What a design leaves beside its evaluations: the specimen, cut files, pictures and a report.
 
 specimen.toml         the designed specimen, for `bilayer solve`
+cut-specimen.toml     the same with its fields of density cut out
 parts-LAYER.dxf       what has to be cut
 shape.png             the shape beside the target
 search.png            the distance over the evaluations
@@ -15,6 +16,7 @@ import numpy as np
 from bilayer.cutting.files import CutFile, write_cut_files
 from bilayer.designing.distance import Place
 from bilayer.designing.evaluation import ShapeFound
+from bilayer.designing.fields import cut_out, has_fields
 from bilayer.designing.height_image import PIXELS, similarity
 from bilayer.designing.run import DesignOutcome
 from bilayer.designing.variables import UNITS, kind_of, value_of
@@ -26,6 +28,7 @@ from bilayer.runtime.output_file import whole_file
 from bilayer.specimen.toml import specimen_to_toml
 
 SPECIMEN, REPORT, PARTS = "specimen.toml", "report.md", "parts.dxf"
+CUT_SPECIMEN = "cut-specimen.toml"
 SHOWN_UNITS = {"m": (1e3, "mm"), "rad": (180 / np.pi, "deg"), "Pa": (1e-3, "kPa")}
 MM = 1e3
 PA_PER_MM = 1e-3
@@ -43,8 +46,12 @@ def write_design(outcome: DesignOutcome, folder: str | Path) -> Path:
     place = Path(folder)
     with whole_file(place / SPECIMEN, "specimen file") as written:
         written.write_text(specimen_to_toml(outcome.specimen), encoding="utf-8")
+    cut = cut_out(outcome.specimen)
+    if cut is not outcome.specimen:
+        with whole_file(place / CUT_SPECIMEN, "specimen file") as written:
+            written.write_text(specimen_to_toml(cut), encoding="utf-8")
     least_web = max(outcome.task.widths.least_web, 1e-3)
-    parts = write_cut_files(outcome.specimen, place / PARTS, least_web=least_web)
+    parts = write_cut_files(cut, place / PARTS, least_web=least_web)
     _draw(outcome, place)
     report = place / REPORT
     with whole_file(report, "report") as written:
@@ -74,6 +81,7 @@ def placed(target: Surface, place: Place) -> Surface:
 def report_text(outcome: DesignOutcome, parts: Sequence[CutFile]) -> str:
     """Return the report, in Markdown."""
     task, by_elements = outcome.task, outcome.solves_by_elements
+    specimen = outcome.specimen
     lines = [
         f"# Design of {outcome.specimen.name}",
         "",
@@ -100,7 +108,8 @@ def report_text(outcome: DesignOutcome, parts: Sequence[CutFile]) -> str:
         "",
         "## To make it",
         "",
-        f"Specimen: [{SPECIMEN}]({SPECIMEN}).",
+        f"Specimen: [{SPECIMEN}]({SPECIMEN})"
+        + (f", cut out: [{CUT_SPECIMEN}]({CUT_SPECIMEN})." if has_fields(specimen) else "."),
         "",
         *[f"- {part.words}" for part in parts],
         *[f"- {part.part.layer}: {obstacle}" for part in parts for obstacle in part.obstacles],

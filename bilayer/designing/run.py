@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bilayer.designing.checked import CHECK_SOLVER, Checked, check_design
 from bilayer.designing.equilibria import Model
 from bilayer.designing.evaluation import Evaluation
+from bilayer.designing.fields import cut_out, has_fields
 from bilayer.designing.folder import DesignFolder
 from bilayer.designing.lowest import Lowest, look_for_lowest
 from bilayer.designing.stage import Stage, correction_between
@@ -227,12 +228,27 @@ class _Design:
         self._progress, self._observer = progress, observer
         self._shell = Model(solver_named(DESIGN_SOLVER), task.settings)
         self._history: list[Tried] = []
-        self._stages = 0
+        self._stages, self._budget = 0, task.limits.evaluations
 
     def run(self) -> DesignOutcome:
-        """Search stage by stage, then look at the design from flat."""
+        """Search stage by stage, with each sharpness, then look at the design from flat."""
         point = self._task.variables.shares_of(self._task.specimen)
-        searched = self._search(Stage.begin(self._folder, 1, self._task, point), self._left - 1)
+        first, *sharper = self._task.sharpened()
+        self._task = first
+        searched = self._search_in_stages(point)
+        for number, task in enumerate(sharper, start=2):
+            before = self._task
+            self._task, self._budget = task, number * task.limits.evaluations
+            try:
+                searched = self._search_in_stages(searched.best.point)
+            except NoValueError:  # none that is so sharp
+                self._task = before
+                break
+        return self._with_lowest(self._checked(self._look(searched)))
+
+    def _search_in_stages(self, point: Array) -> "_Searched":
+        stage = Stage.begin(self._folder, self._stages + 1, self._task, point)
+        searched = self._search(stage, self._left - 1)
         while self._left > 1 and searched.has_fallen:
             following = searched.stage.number + 1
             stage = Stage.begin(self._folder, following, self._task, searched.best.point)
@@ -240,7 +256,7 @@ class _Design:
                 searched = self._search(stage, self._left - 1)
             except NoValueError:
                 break
-        return self._with_lowest(self._checked(self._look(searched)))
+        return searched
 
     def _with_lowest(self, outcome: DesignOutcome) -> DesignOutcome:
         """Return a design with what is known of lower states than the one of its last check."""
@@ -261,8 +277,8 @@ class _Design:
             if run == runs and self._task.check.evaluations:
                 outcome = self._ended_by_elements(outcome, checks)
             file = self._folder.path / f"check-{run}.nc"
-            specimen = outcome.specimen
-            mesh: PlanarMesh | None = outcome.mesh
+            specimen = cut_out(outcome.specimen)
+            mesh = None if has_fields(outcome.specimen) else outcome.mesh
             if run == runs and finer is not None:
                 specimen, mesh = replace(specimen, mesh=MeshSize(finer)), None
             checked = check_design(self._task, specimen, mesh, file, self._progress)
@@ -315,7 +331,7 @@ class _Design:
 
     @property
     def _left(self) -> int:
-        return self._task.limits.evaluations - len(self._history)
+        return self._budget - len(self._history)
 
     def _search(self, stage: Stage, evaluations: int, model: Model | None = None) -> "_Searched":
         """Return what the search on one mesh comes to, by the shell if no model is given."""
@@ -361,7 +377,8 @@ class _Design:
         if self._observer is not None:
             self._observer(tried)
         if self._progress is not None:
-            share = min(1.0, len(self._history) / (self._task.limits.evaluations + 1))
+            whole = max(len(self._task.sharpness), 1) * self._task.limits.evaluations
+            share = min(1.0, len(self._history) / (whole + 1))
             away = 1e3 * tried.best
             self._progress(share, f"stage {number}: {away:.4g} mm from the target")
 

@@ -1,7 +1,7 @@
 """The design file: which specimen shall take which shape, and what may be changed for it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from hashlib import sha256
 from pathlib import Path
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from bilayer.designing.fields import has_fields, with_sharpness
 from bilayer.designing.scenarios import Robustness
 from bilayer.designing.targets import Target, target_from_table
 from bilayer.designing.trust_region import Limits
@@ -31,7 +32,17 @@ from bilayer.specimen.specimen import Specimen
 from bilayer.specimen.toml import read_specimen, specimen_to_toml
 from bilayer.specimen.toml_text import parse_toml
 from bilayer.specimen.units import in_si
-from bilayer.validation import keep, nearest, not_negative, one_of, positive, shown, whole, within
+from bilayer.validation import (
+    keep,
+    listed,
+    nearest,
+    not_negative,
+    one_of,
+    positive,
+    shown,
+    whole,
+    within,
+)
 
 KEYS = ("specimen", "target", "free", "profile", "robust", "constraints", "search", "check")
 CONSTRAINTS = {
@@ -105,6 +116,9 @@ class DesignTask:
     least_stiffness : float
         Of every shape against its softest deformation, N/m3, see `bilayer.designing.softness`; 0:
         any that is stable.
+    sharpness : sequence of float
+        Of the fields of density: the whole search is done with each in turn, from where the one
+        before has ended. None: as the specimen has it.
     limits : Limits
         Of the search; evaluations of the shape at all scenarios each.
     settings : settings dataclass
@@ -123,6 +137,7 @@ class DesignTask:
     settings: Any = None
     check: Check = field(default_factory=Check)
     least_stiffness: float = 0.0
+    sharpness: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         own = self.specimen.with_milestones([self.specimen.prestretch.milestones[-1]])
@@ -133,6 +148,10 @@ class DesignTask:
             object.__setattr__(self, "settings", settings_class(DESIGN_SOLVER)())
         keep(self, not_negative, "least_gap", unit="m")
         keep(self, not_negative, "least_stiffness", unit="N/m^3")
+        sharpness = [not_negative("search.sharpness", value)
+                     for value in listed("search.sharpness", self.sharpness)]  # fmt: skip
+        object.__setattr__(self, "sharpness", tuple(sharpness))
+        self._check_fields()
         shares = self.variables.shares_of(own)
         for variable, share in zip(self.variables.variables, shares, strict=True):
             if not 0 <= share <= 1:
@@ -152,6 +171,23 @@ class DesignTask:
                 "short of them, expected one that begins within"
             )
 
+    def _check_fields(self) -> None:
+        if not has_fields(self.specimen):
+            if self.sharpness:
+                raise InputError("search.sharpness: expected none without a density-field")
+        elif self.check.evaluations or self.check.runs > 1:
+            raise InputError(
+                "check: a density-field is cut out for the finite-element model, on another mesh; "
+                "expected runs = 0 or 1, and no evaluations"
+            )
+
+    def sharpened(self) -> Iterator["DesignTask"]:
+        """Yield the tasks of the search one by one: with each sharpness, or this one alone."""
+        for sharpness in self.sharpness:
+            yield replace(self, specimen=with_sharpness(self.specimen, sharpness))
+        if not self.sharpness:
+            yield self
+
     @property
     def identity(self) -> str:
         """A text that two tasks share if they are the same."""
@@ -163,6 +199,8 @@ class DesignTask:
         ]  # fmt: skip
         if self.least_stiffness:  # folders of before knew none
             parts.append(f"least_stiffness={self.least_stiffness!r}")
+        if self.sharpness:
+            parts.append(f"sharpness={self.sharpness!r}")
         return sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
 
@@ -223,6 +261,7 @@ def read_design(path: str | Path) -> DesignTask:
                                               CONSTRAINTS), CONSTRAINTS)  # fmt: skip
     of_shape = {name: constraints.pop(name) for name in OF_SHAPE if name in constraints}
     search = dict(_table("search", tables.get("search", {})))
+    sharpness = search.pop("sharpness", ())
     settings: Any = settings_from(
         settings_class(DESIGN_SOLVER), _table("search.settings", search.pop("settings", {}))
     )
@@ -240,6 +279,7 @@ def read_design(path: str | Path) -> DesignTask:
         limits=_limits(search),
         settings=settings,
         check=Check(**check),
+        sharpness=sharpness,
         **of_shape,
     )
 
@@ -278,6 +318,9 @@ def _variables(specimen: Specimen, table: Mapping[str, Any]) -> Variables:
 
 def _numbers_named(specimen: Specimen, name: str) -> list[str]:
     parts = name.split(".")
+    if len(parts) == 2 and parts[1] == "share" and parts[0] in specimen.layer_names:
+        shares = getattr(specimen.layer(parts[0]).pattern, "share", ())
+        return [f"{name}.{place}" for place in range(len(shares))] or [name]
     if len(parts) == 3 and parts[1] == "pattern" and parts[0] in specimen.layer_names:
         values = getattr(specimen.layer(parts[0]).pattern, parts[2], None)
         if isinstance(values, tuple):

@@ -5,6 +5,7 @@
 - `LAYER.thickness`: the natural thickness of a layer, m
 - `LAYER.density`: kg/m3
 - `LAYER.modulus`: the shear modulus of its law, Pa; all constants of the law go with it
+- `LAYER.share.K`: the share at a node of the layer's field of density
 - `LAYER.material.CONSTANT`: a constant of its law, such as `substrate.material.C10`, Pa
 
 `difference_by` differentiates whatever is a smooth function of specimen and prestretch. Such
@@ -70,14 +71,15 @@ def parameter_scale(specimen: Specimen, stretch: StretchPair, parameter: str) ->
     Then it is 1 in the parameter's unit, or what the layer's shear modulus makes of Pa and 1/Pa.
     """
     value = parameter_value(specimen, stretch, parameter)
-    if value:
-        return abs(value)
     match parameter.split("."):
+        case [_, "share", _]:
+            return 1.0
         case [layer, "material", name]:
             material = specimen.layer(layer).material
             modulus = material.shear_modulus
-            return {"Pa": modulus, "1/Pa": 1 / modulus}.get(material.units.get(name, ""), 1.0)
-    return 1.0
+            scales = {"Pa": modulus, "1/Pa": 1 / modulus}
+            return abs(value) or scales.get(material.units.get(name, ""), 1.0)
+    return abs(value) or 1.0
 
 
 def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) -> float:
@@ -91,6 +93,10 @@ def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) ->
             return specimen.gravity
         case [layer, ("thickness" | "density") as name] if layer in specimen.layer_names:
             return float(getattr(specimen.layer(layer), name))
+        case [layer, "share", place] if layer in specimen.layer_names:
+            shares = getattr(specimen.layer(layer).pattern, "share", ())
+            if place.isdigit() and int(place) < len(shares):
+                return float(shares[int(place)])
         case [layer, "modulus"] if layer in specimen.layer_names:
             return float(specimen.layer(layer).material.shear_modulus)
         case [layer, "material", name] if layer in specimen.layer_names:
@@ -100,7 +106,8 @@ def parameter_value(specimen: Specimen, stretch: StretchPair, parameter: str) ->
                 return float(getattr(material, constant))
     raise InputError(
         f"parameter = {parameter!r}: expected prestretch, prestretch.x, prestretch.y, gravity, or "
-        "LAYER.thickness, LAYER.density, LAYER.modulus or LAYER.material.CONSTANT with a layer of "
+        "LAYER.thickness, LAYER.density, LAYER.modulus, LAYER.share.K or LAYER.material.CONSTANT "
+        "with a layer of "
         f"{list(specimen.layer_names)}"
     )
 
@@ -121,6 +128,11 @@ def changed(
             material: Any = specimen.layer(layer).material
             material = replace(material, **{str(_constant(material, name)): value})
             return specimen.with_layer(layer, material=material), stretch
+        case [layer, "share", place]:
+            pattern: Any = specimen.layer(layer).pattern
+            shares = list(pattern.share)
+            shares[int(place)] = value
+            return specimen.with_layer(layer, pattern=replace(pattern, share=shares)), stretch
         case [layer, "modulus"]:
             material = specimen.layer(layer).material
             stiffer = _stiffened(material, value / material.shear_modulus)

@@ -11,7 +11,8 @@ from bilayer.errors import InputError, fields_of
 from bilayer.specimen.layer import Layer, Response, layer_name
 from bilayer.specimen.materials import Law, law_from_table, law_keys, law_to_table
 from bilayer.specimen.outline import OUTLINES, Disc, Outline
-from bilayer.specimen.pattern import PATTERNS, Pattern
+from bilayer.specimen.pattern import Pattern
+from bilayer.specimen.pattern_kinds import PATTERNS
 from bilayer.specimen.relaxation import PronySeries
 from bilayer.specimen.schedule import Schedule
 from bilayer.specimen.specimen import Specimen

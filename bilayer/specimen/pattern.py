@@ -398,16 +398,6 @@ class Cross(Pattern):
         return f"a cross of bars {1e3 * self.arm_width:g} mm wide"
 
 
-PATTERNS: dict[str, type] = {
-    "sectors": CutPattern,
-    "sector-profile": SectorProfile,
-    "polygons": Polygons,
-    "contours": Contours,
-    "cross": Cross,
-}
-"""By the name of the kind in a specimen file."""
-
-
 def kept_share(pattern: Pattern | None, outline: Outline) -> float:
     """Return the part of the outline's area where a layer lies, from 0 to 1; None: all of it."""
     if pattern is None:

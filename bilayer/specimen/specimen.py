@@ -15,6 +15,7 @@ from typing import Any
 import shapely
 
 from bilayer.errors import InputError, fields_of
+from bilayer.specimen.density_field import DensityField
 from bilayer.specimen.layer import BondedLayer, Layer
 from bilayer.specimen.load import FREE, Load, Milestone
 from bilayer.specimen.load_checks import check_loads, check_places
@@ -406,6 +407,16 @@ def refuse_time(specimen: Specimen, whom: str) -> None:
     """Raise InputError if a specimen has milestones of time, which somebody does not know."""
     if specimen.schedule is not None:
         raise InputError(f"[time]: {whom} takes no steps of time, expected none")
+
+
+def refuse_fields(specimen: Specimen, whom: str) -> None:
+    """Raise InputError if a layer has a field of density, which somebody does not know."""
+    for layer in specimen.layers:
+        if isinstance(layer.pattern, DensityField):
+            raise InputError(
+                f"layers.{layer.name}.pattern: is a density-field, which is for the shell morley "
+                f"and not for {whom}; expected the pattern that is cut out of it"
+            )
 
 
 def _at_every_time(prestretch: Prestretch, schedule: Schedule | None) -> Prestretch:

@@ -60,6 +60,8 @@ class ShellLayer:
         How its stress relaxes.
     memory : Memory or None
         What it remembers in the present step of time; None: it answers at once, as an elastic one.
+    share : (k,) array of float or None
+        Of the layer that lies on each face it covers, by which its energy counts; None: all.
     """
 
     name: str
@@ -70,6 +72,7 @@ class ShellLayer:
     faces: NDArray[np.int64] | None = None
     relaxation: PronySeries = ELASTIC
     memory: Memory | None = None
+    share: Array | None = None
     heights: Array = field(init=False)  # of the Gauss points, m, shape (q,)
     weights: Array = field(init=False)  # theirs, m
 
@@ -101,6 +104,7 @@ class ShellLayer:
             faces=faces,
             prestretch=self.prestretch[:, :, inside] if each else self.prestretch,
             memory=None if self.memory is None else self.memory.part(inside),
+            share=None if self.share is None else self.share[inside],
         )
 
 
@@ -228,11 +232,11 @@ class BentLayer:
 
     def law_energy(self) -> Array:
         """Return the energy per area that the law has at once in the strains, J/m2, (k,)."""
-        return self.layer.weights @ self.at_heights(self.layer.heights).energy()
+        return self._shared(self.layer.weights @ self.at_heights(self.layer.heights).energy())
 
     def energy(self) -> Array:
         """Return the energy per area, J/m2, shape (k,)."""
-        return self.layer.weights @ self._material.energy()
+        return self._shared(self.layer.weights @ self._material.energy())
 
     def resultants(self) -> Array:
         """Return its derivative by s, shape (6, k)."""
@@ -264,4 +268,9 @@ class BentLayer:
     def _moments(self, density: Array, highest: int) -> Array:
         """Return the integrals of z^0, z^1, ... times a density (..., q, k), in a first axis."""
         powers = self.layer.weights * self.layer.heights ** np.arange(highest + 1)[:, None]
-        return np.moveaxis(powers @ density, -2, 0)
+        return self._shared(np.moveaxis(powers @ density, -2, 0))
+
+    def _shared(self, per_area: Array) -> Array:
+        """Return what a whole layer has per area, (..., k), by the share that lies there."""
+        share = self.layer.share
+        return per_area if share is None else np.asarray(share * per_area)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bilayer.errors import InputError
 from bilayer.mechanics.layer_state import LayerState
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.specimen import Specimen, refuse_fields
 from dshell.energies.assembly import Energy, total_energies
 from dshell.energies.topology import Topology
 from dshell.models.hinge_rest_state import laminate_springs_and_hinges, specimen_sections
@@ -41,6 +41,7 @@ class HingeModel:
     fixed_dofs: NDArray[np.int64] = np.empty(0, dtype=np.int64)
 
     def __init__(self, specimen: Specimen, mesh: PlanarMesh) -> None:
+        refuse_fields(specimen, "the model hinge")
         for support in specimen.supports:
             if support.keeps_slope:
                 raise InputError(

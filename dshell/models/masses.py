@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.specimen import Specimen
 from dshell.energies.topology import sum_at_nodes
+from dshell.models.shares import share_on_faces
 
 
 def lumped_masses(
@@ -24,5 +25,8 @@ def lumped_masses(
     """
     per_area = np.zeros(len(mesh.triangles))
     for part in specimen.bonded_layers(stretch):
-        per_area[mesh.faces_of(part.name)] += part.layer.density * part.thickness
+        faces = mesh.faces_of(part.name)
+        share = share_on_faces(part.layer.pattern, mesh, faces)
+        mass = part.layer.density * part.thickness
+        per_area[faces] += mass if share is None else mass * share
     return sum_at_nodes(mesh.triangles, per_area * mesh.areas / 3)

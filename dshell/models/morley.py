@@ -12,11 +12,12 @@ from bilayer.mesh.bonding import check_no_gap
 from bilayer.mesh.parts import clamped_edges
 from bilayer.mesh.planar import PlanarMesh
 from bilayer.specimen.relaxation import ELASTIC
-from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.specimen import Specimen, refuse_fields
 from dshell.energies.morley_faces import MorleyFaces
 from dshell.energies.through_thickness import PROFILES, Laminate, ShellLayer
 from dshell.materials.plane_stress import plane_stress_law
 from dshell.models.layer_states import layer_states
+from dshell.models.shares import share_on_faces
 from dshell.models.wall_faces import WallFaces, walls_of
 from dshell.models.wall_relief import wall_zones
 from dshell.settings import MorleySettings
@@ -128,6 +129,7 @@ def _strained_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> l
 
 def _relieved_walls(specimen: Specimen, mesh: PlanarMesh, clamped: Numbers) -> list[WallFaces]:
     """Return the faces beside all walls that are not clamped; InputError if a layer relaxes."""
+    refuse_fields(specimen, "zones beside walls, which end no such layer")
     for layer in specimen.layers:
         if layer.relaxation != ELASTIC:
             raise InputError(
@@ -165,6 +167,7 @@ def specimen_layers(
             np.array(part.stretch),
             None if len(faces) == len(mesh.triangles) else faces,
             part.layer.relaxation,
+            share=share_on_faces(part.layer.pattern, mesh, faces),
         )
         for part, faces in parts
         if len(faces)

@@ -21,7 +21,13 @@ from bilayer.results.starting import FLAT_START
 from bilayer.solvers.contract import Linearised, Recorded, Saved, TargetMissedError
 from bilayer.specimen.load import Milestone
 from bilayer.specimen.prestretch import UNSTRETCHED, StretchPair, stretch_of
-from bilayer.specimen.specimen import Specimen, refuse_loading, refuse_obstacles, refuse_time
+from bilayer.specimen.specimen import (
+    Specimen,
+    refuse_fields,
+    refuse_loading,
+    refuse_obstacles,
+    refuse_time,
+)
 from bilayer.specimen.two_layers import TwoLayers
 from dshell.energies.assembly import coordinates_of, total_energies
 from dshell.models.masses import lumped_masses
@@ -275,6 +281,7 @@ def energy_terms(body: MovingBody, motion: Motion) -> dict[str, float]:
 def _check_input(specimen: Specimen) -> None:
     refuse_loading(specimen, "the paper's model")
     refuse_time(specimen, "the paper's model")
+    refuse_fields(specimen, "the paper's model")
     refuse_obstacles(specimen, "the paper's model")
     if specimen.gravity > 0:
         raise InputError(

@@ -14,7 +14,7 @@ from bilayer.results.starting import describe_run, describe_start
 from bilayer.runtime.memory import available_memory
 from bilayer.runtime.progress import Progress
 from bilayer.solvers.contract import Start
-from bilayer.specimen.specimen import Specimen
+from bilayer.specimen.specimen import Specimen, refuse_fields
 from fenics_model.release.solid_path import SolidPath
 from fenics_model.settings import SolidSettings, bytes_per_triangle
 
@@ -29,6 +29,7 @@ def open_solid_path(
     progress: Progress | None = None,
 ) -> SolidPath:
     """Return the path of a specimen's solid, on the ranks of `comm`; None: all."""
+    refuse_fields(specimen, "the finite-element model")
     comm = MPI.COMM_WORLD if comm is None else comm
     available = available_memory(comm)
     planar: PlanarMesh = from_first_rank(

@@ -130,11 +130,14 @@ def test_a_neighbour_is_moved_onto_the_held_points(design):
 
 
 def test_the_least_stiffness_is_that_of_the_shell(design):
-    """Of a body with pressures and nodes through the thickness, by forces on its surface alone."""
+    """Of a body with pressures and nodes through the thickness, by forces on its surface alone.
+
+    On a mesh as coarse as this one the two models differ by a fifth.
+    """
     specimen, sheet, shape = design
     areas = flat_surface(sheet.mesh).node_areas
     found = least_stiffness(shape.equilibrium, shape.linearised, areas)
     shell = Model(solver_named("dshell"), MorleySettings())
     with closing(find_shape(shell, specimen, sheet)) as thin:
         known = least_stiffness(thin.equilibrium, thin.linearised, areas)
-    assert found == pytest.approx(known, rel=0.25)  # 3 % at 8 mm
+    assert found == pytest.approx(known, rel=0.25)
