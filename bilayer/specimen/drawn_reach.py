@@ -58,7 +58,11 @@ def _reach(pattern: Contours, outline: Outline) -> tuple[float, tuple[float, flo
     """Return the largest distance of a contour from the sheet, and where, m; holes count as it."""
     points = np.concatenate([np.asarray(contour) for contour in pattern.contours])
     sheet = shapely.Polygon(outline.polygon.exterior)
-    away = shapely.distance(sheet, shapely.points(points))
+    shapely.prepare(sheet)
+    beyond = points[~shapely.contains_xy(sheet, *points.T)]  # few; the distance costs far more
+    if len(beyond) == 0:
+        return 0.0, (0.0, 0.0)
+    away = shapely.distance(sheet, shapely.points(beyond))
     farthest = int(np.argmax(away))
-    x, y = points[farthest]
+    x, y = beyond[farthest]
     return float(away[farthest]), (float(x), float(y))

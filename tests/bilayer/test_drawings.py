@@ -420,6 +420,22 @@ def test_many_contours_take_no_longer_than_their_number() -> None:
     assert not region.is_empty and region.is_valid
 
 
+def test_many_holes_are_read_in_the_time_that_a_drawing_has(tmp_path: Path) -> None:
+    """Within an outline of many points; each pair compared point by point took 5 s."""
+
+    def draw(document, space):
+        space.add_circle((0, 0), 200, dxfattribs=ON_CUT)
+        for k in range(400):
+            space.add_circle((6 * (k % 20 - 10), 6 * (k // 20 - 10)), 1.2, dxfattribs=ON_CUT)
+
+    path = dxf(tmp_path / "holes.dxf", "R2018", 4, draw)
+    begin = time.process_time()
+    rings = DrawingSource(path).contours()
+    assert time.process_time() - begin < 2.5
+    area = math.pi * (200**2 - 400 * 1.2**2) * MM**2
+    assert even_odd(rings).area == pytest.approx(area, rel=1e-6)
+
+
 BAD = {
     "open": (
         "M 10,20 L 30,20 L 30,30",
