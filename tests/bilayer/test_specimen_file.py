@@ -187,9 +187,10 @@ def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"none.toml: cannot be read \(No such file"):
         read_specimen(tmp_path / "none.toml")
     binary = tmp_path / "binary.toml"
-    binary.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="not a text file"):
-        read_specimen(binary)
+    for content, words in ((b"\x89\xff\x00", "not a text file"), (b"\xff\xfe\x00", "is UTF-16")):
+        binary.write_bytes(content)
+        with pytest.raises(InputError, match=words):
+            read_specimen(binary)
 
 
 @pytest.mark.parametrize(
