@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,29 @@ DEEPEST = 16
 TURN = 2 * math.pi
 
 
+@dataclass(frozen=True)
+class Around:
+    """What an entity is drawn on and with; what it takes from the insert around it.
+
+    Parameters
+    ----------
+    layer : str
+        Its name.
+    colour : str
+        As "#rrggbb".
+    hidden : bool
+        Whether nobody sees it, whatever its layer.
+    """
+
+    layer: str = "0"
+    colour: str = ""
+    hidden: bool = False
+
+
+Drawn = tuple[Any, Around]
+"""An entity of ezdxf and what it is drawn on."""
+
+
 class DxfDocument:
     """A DXF file; see `bilayer.drawings.lines.Document`.
 
@@ -52,21 +76,22 @@ class DxfDocument:
         self.unit: float | None = UNITS.get(self._document.header.get("$INSUNITS", 0))
 
     def lines(self, tolerance: float) -> list[Line]:  # noqa: D102
-        drawn = self._entities(self._document.modelspace(), "0", "", DEEPEST)
+        drawn = self._entities(self._document.modelspace(), Around(), DEEPEST)
         try:
             return [self._line(*given, tolerance) for given in drawn]
         except self._errors as error:
             raise InputError(f"drawing: cannot be read ({error})") from error
 
-    def _line(self, entity: Any, layer: str, colour: str, tolerance: float) -> Line:
-        hidden = bool(entity.dxf.get("invisible", 0)) or not self._is_shown(layer)
+    def _line(self, entity: Any, own: Around, tolerance: float) -> Line:
+        hidden = own.hidden or not self._is_shown(own.layer)
         points = _points(entity, tolerance)
         if points is None:
-            return Line(np.empty((0, 2)), False, (layer,), colour, hidden, entity.dxftype())
+            nothing = np.empty((0, 2))
+            return Line(nothing, False, (own.layer,), own.colour, hidden, entity.dxftype())
         closed = len(points) > 2 and _is_closed(points)
         if closed and np.allclose(points[0], points[-1], rtol=0, atol=tolerance):
             points = points[:-1]
-        return Line(points, closed, (layer,), colour, hidden)
+        return Line(points, closed, (own.layer,), own.colour, hidden)
 
     def _is_shown(self, name: str) -> bool:
         if name not in self._document.layers:
@@ -74,30 +99,33 @@ class DxfDocument:
         layer = self._document.layers.get(name)
         return not (layer.is_off() or layer.is_frozen())
 
+    def _is_frozen(self, name: str) -> bool:
+        return name in self._document.layers and self._document.layers.get(name).is_frozen()
+
     def upright(self, points: Points) -> Points:  # noqa: D102
         return points
 
-    def _entities(
-        self, entities: Any, layer: str, colour: str, depth: int
-    ) -> Iterator[tuple[Any, str, str]]:
+    def _entities(self, entities: Any, around: Around, depth: int) -> Iterator[Drawn]:
         """Yield what is drawn, inserts exploded, with its layer and colour.
 
         On layer "0" of a block things lie on the layer of its insert (the DXF reference, BLOCK).
+        An insert on a frozen layer hides all of its block, one on a layer that is off does not.
         """
         for entity in entities:
             kind = entity.dxftype()
-            own_layer = layer if entity.dxf.layer == "0" else entity.dxf.layer
-            own_colour = self._colour(entity, own_layer, colour)
+            layer = around.layer if entity.dxf.layer == "0" else entity.dxf.layer
+            colour = self._colour(entity, layer, around.colour)
+            hidden = around.hidden or bool(entity.dxf.get("invisible", 0))
             if kind == "INSERT":
                 if depth == 0:
                     raise InputError(
                         f"drawing: block {entity.dxf.name!r} lies within {DEEPEST} others"
                     )
+                within = Around(layer, colour, hidden or self._is_frozen(layer))
                 for insert in entity.multi_insert() if entity.mcount > 1 else [entity]:
-                    inner = insert.virtual_entities()
-                    yield from self._entities(inner, own_layer, own_colour, depth - 1)
+                    yield from self._entities(insert.virtual_entities(), within, depth - 1)
             elif kind not in ANNOTATIONS:
-                yield entity, own_layer, own_colour
+                yield entity, Around(layer, colour, hidden)
 
     def _colour(self, entity: Any, layer: str, of_insert: str) -> str:
         if entity.dxf.hasattr("true_color"):

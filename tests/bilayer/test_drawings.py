@@ -381,7 +381,15 @@ def with_dots(document, space):
     space.add_underlay(document.add_underlay_def("plan.pdf"))
 
 
-@pytest.mark.parametrize("draw", [smoothed, with_dots])
+def with_a_frozen_block(document, space):
+    """A triangle, and a block whose own layer is seen but whose insert's is not."""
+    space.add_lwpolyline([(0, 0), (10, 0), (10, 5)], close=True)
+    document.layers.add("frame").freeze()
+    document.blocks.new("border").add_circle((0, 0), 99, dxfattribs={"layer": "lines"})
+    space.add_blockref("border", (0, 0), dxfattribs={"layer": "frame"})
+
+
+@pytest.mark.parametrize("draw", [smoothed, with_dots, with_a_frozen_block])
 def test_what_dxf_files_hold_beside_a_triangle(tmp_path: Path, draw) -> None:
     region = even_odd(DrawingSource(dxf(tmp_path / "a.dxf", "R2018", 4, draw)).contours())
     assert region.area == pytest.approx(25 * MM**2, rel=1e-9)
