@@ -42,6 +42,9 @@ def test_the_citation_is_complete():
     assert codemeta["description"] == PROJECT["description"]
     assert codemeta["keywords"] == PROJECT["keywords"]
     assert codemeta["dateModified"] == str(citation["date-released"])
+    page = (ROOT / "docs/help.md").read_text(encoding="utf-8")
+    assert f"version = {{{__version__}}}" in page
+    assert f"title   = {{{citation['title']}}}" in page
 
 
 def test_the_recipe_needs_what_the_package_needs():

@@ -96,6 +96,11 @@ def _check_order(options: argparse.Namespace) -> None:
         raise InputError(
             f"{options.result} {options.other}: expected the result first, then the scan"
         )
+    if not options.profile and second not in (RESULT, *MESHES, *TABLES):
+        raise InputError(
+            f"{options.other}: expected a result ({RESULT}) or a scan "
+            f"({', '.join((*MESHES, *TABLES))})"
+        )
 
 
 def _compare_profile(options: argparse.Namespace) -> int:

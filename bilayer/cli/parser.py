@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Callable, Mapping
+from pathlib import PurePath
 from typing import Any, NoReturn
 
 from bilayer.cli.verbs import VERBS
@@ -27,7 +28,8 @@ class Parser(argparse.ArgumentParser):
         """Raise ArgumentError, with the nearest choice, unless a word is one of the choices."""
         if action.choices is not None and value not in action.choices:
             choices = list(map(str, action.choices))
-            expected = f"expected one of {', '.join(choices)}{nearest(value, choices)}"
+            near = _verb_of_file(value) if choices == [*VERBS] else ""
+            expected = f"expected one of {', '.join(choices)}{near or nearest(value, choices)}"
             raise argparse.ArgumentError(action, f"invalid choice: {value!r}, {expected}")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:  # type: ignore[override]
@@ -76,6 +78,12 @@ class Parser(argparse.ArgumentParser):
             self.epilog = f"{self.epilog}\n\n{self.late_epilog()}"
             self.late_epilog = None
         return super().format_help()
+
+
+def _verb_of_file(word: str) -> str:
+    """Return how the command is called with a file that stands where a verb is expected, or ""."""
+    verb = {".toml": "solve", ".nc": "info"}.get(PurePath(word).suffix.lower())
+    return f"; did you mean 'bilayer {verb} {word}'?" if verb else ""
 
 
 def add_trust_argument(verb: Parser) -> None:

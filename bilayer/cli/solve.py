@@ -129,8 +129,8 @@ def run(options: argparse.Namespace) -> int:
     values, overrides = split_solver_settings(options.overrides)
     if "model" in values:
         raise InputError(f"solver.model = {values['model']}: expected as --model, not by --set")
+    specimen = read_specimen_argument(options, overrides)  # a slip in its name is told first
     runs = _planned(options, solvers, values)
-    specimen = read_specimen_argument(options, overrides)
     mesh = None if options.mesh is None else read_mesh_argument(options, specimen)
     start = _start_argument(options)
     results, status = [], 0

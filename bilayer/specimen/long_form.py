@@ -119,8 +119,9 @@ def _time_table(schedule: Schedule) -> dict[str, Any]:
 def _outline(sheet: Mapping[str, Any]) -> Outline:
     quantities = in_si("specimen", sheet)
     if "outline" not in sheet:
+        radius = required("specimen", quantities, "outer_radius")
         with fields_of("specimen"):
-            return Disc(required("specimen", quantities, "outer_radius"))
+            return Disc(radius)
     if "outer_radius" in sheet:
         raise InputError("specimen.outer_radius: not together with specimen.outline")
     table = as_table("specimen.outline", sheet["outline"])

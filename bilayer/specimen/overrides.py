@@ -38,7 +38,9 @@ def with_overrides(
         name, separator, value = override.partition("=")
         table, *path = [part.strip() for part in name.split(".")]
         if not (separator and table and path and all(path)):
-            raise InputError(f"override {override!r}: expected table.key=value")
+            raise InputError(
+                f"override {override!r}: expected table.key=value, such as cut.strips=6"
+            )
         if table not in known:
             raise InputError(f"{name}: unknown table {table!r}{nearest(table, known)}")
         if known[table]:

@@ -57,8 +57,9 @@ def bilayer_from_tables(data: Tables) -> Specimen:
         if known[table]:
             check_keys(table, content, known[table])
     sheet = in_si("specimen", data.get("specimen", {}))
+    radius = required("specimen", sheet, "outer_radius")
     with fields_of("specimen"):
-        disc = Disc(required("specimen", sheet, "outer_radius"))
+        disc = Disc(radius)
     kirigami = dict(data.get(KIRIGAMI_LAYER, {}))
     side = kirigami.pop("side", "above")
     common = common_fields(data)

@@ -54,16 +54,35 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     return tables
 
 
+_SLIPS = (
+    (
+        re.compile(r"[^=#]*=\s*([-+]?\d+),\s*(\d+)"),
+        "a decimal point, not a comma: {0}.{1} (if two values are meant, brackets: [{0}, {1}])",
+    ),
+    (
+        re.compile(r"\s*([A-Za-z_]+) +([A-Za-z_]+) *="),
+        "a key without spaces, such as {0}_{1}",
+    ),
+    (
+        re.compile(r"[^=#]*=\s*([A-Za-z][\w-]*)\s*(?:#|$)"),
+        'quotes around a text: "{0}"',
+    ),
+    (
+        re.compile(r"[^=#]*=\s*([-+]?[\d.]+ ?[A-Za-z%][\w/^]*)"),
+        'quotes around a value with a unit: "{0}"',
+    ),
+)
+"""What a line looks like in which a frequent slip was made, and what was expected."""
+
+
 def _hint(text: str, error: str) -> str:
     """Return what to do about a frequent slip in the line that an error names, or ""."""
     found = re.search(r"at line (\d{1,9})", error)
     lines = text.split("\n")
     line = lines[int(found[1]) - 1][:200] if found and int(found[1]) <= len(lines) else ""
-    if re.match(r"[^=#]*=\s*[-+]?\d+,\d", line):
-        return ", expected a decimal point, not a comma"
-    unquoted = re.match(r"[^=#]*=\s*([-+]?[\d.]+ ?[A-Za-z%][\w/^]*)", line)
-    if unquoted:
-        return f', expected quotes around a value with a unit: "{unquoted[1]}"'
+    for slip, expected in _SLIPS:
+        if match := slip.match(line):
+            return f", expected {expected.format(*match.groups())}"
     return ""
 
 

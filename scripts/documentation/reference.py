@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import re
 from collections.abc import Iterator, Mapping
 from textwrap import dedent
 
@@ -17,6 +18,7 @@ def written_texts() -> Mapping[str, str]:
         "the verbs": "\n".join(map(verb_text, VERBS)),
         "the settings": "\n".join(_settings_texts()),
         "the changes": _changes(),
+        "how to contribute": _contributing(),
     }
 
 
@@ -24,6 +26,16 @@ def _changes() -> str:
     """Return the changelog without its title, its links as seen from docs/."""
     text = (CHECKOUT / "CHANGELOG.md").read_text(encoding="utf-8")
     return text.partition("\n")[2].replace("](docs/", "](")
+
+
+def _contributing() -> str:
+    """Return the page for contributors as a section, its links as seen from docs/."""
+    text = (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    for seen, there in (("](docs/", "]("), ("](LICENSE)", "](../LICENSE)")):
+        text = text.replace(seen, there)
+    text = text.replace("](CODE_OF_CONDUCT.md)", "](../CODE_OF_CONDUCT.md)")
+    text = text.replace("](CHANGELOG.md)", "](changelog.md)")
+    return re.sub("^#", "##", text, flags=re.MULTILINE)
 
 
 def verb_text(name: str) -> str:

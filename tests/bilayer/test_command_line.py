@@ -187,6 +187,9 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
         ),
         (["info", "none.nc"], "result file none.nc: cannot be read"),
         (["info", "study.toml"], "study.toml: cannot be read"),
+        (["specimen.toml"], r"did you mean 'bilayer solve specimen\.toml'\?"),
+        (["a.nc"], r"did you mean 'bilayer info a\.nc'\?"),
+        (["solve", "a.nc"], r"specimen file a\.nc: expected TOML, not a result"),
         (["frobnicate"], "invalid choice: 'frobnicate'"),
         ([], "the following arguments are required: VERB"),
     ],
@@ -194,6 +197,16 @@ def test_compare_plot_convert_and_info(folder, shell_file, capsys):
 def test_bad_input_is_one_line_and_status_2(folder, capsys, words, message):
     assert re.search(message, error_of(capsys, words))
     assert [path.name for path in folder.iterdir()] == ["specimen.toml"]
+
+
+def test_a_mistyped_input_is_told_before_an_output_that_is_there(folder, capsys):
+    (folder / "specimn.nc").write_text("of an earlier run")
+    assert "specimn.toml: cannot be read" in error_of(capsys, ["solve", "specimn.toml"])
+
+
+def test_what_is_no_result_and_no_scan_is_not_compared(folder, shell_file, capsys):
+    message = error_of(capsys, ["compare", str(shell_file), "specimen.toml"])
+    assert "expected a result (.nc) or a scan (.stl" in message
 
 
 def test_two_results_of_one_model_are_told_apart_by_their_files(folder, shell_file, capsys):

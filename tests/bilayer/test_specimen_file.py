@@ -160,8 +160,11 @@ def test_bad_values_are_named(override, message):
     [
         ("[specimen", "not a valid TOML file"),
         ("[cut]\nx = 0,3", r"line 2, .*expected a decimal point, not a comma"),
+        ("[vary]\n'cut.strips' = 4, 5", r"if two values are meant, brackets: \[4, 5\]"),
+        ("[cut]\ninner radius = 0.008", "expected a key without spaces, such as inner_radius"),
+        ("[kirigami]\nside = above  # it", 'expected quotes around a text: "above"'),
         ("x = 1 mm", r'expected quotes around a value with a unit: "1 mm"'),
-        ("", "specimen.outer_radius: missing"),
+        ("", "^specimen.outer_radius: missing"),
         ("cut = 3", r"cut = 3: expected a table \[cut\]"),
         ("[substrat]\nthickness = 1.0", r"\[substrat\]: unknown table, .*mean 'substrate'"),
         ("outer_radius = 1.0", r"\[outer_radius\]: unknown table"),
@@ -179,7 +182,7 @@ def test_bad_files_are_named(text, message):
 def test_missing_keys_are_named(table, key):
     tables = tomllib.loads(template())
     del tables[table][key]
-    with pytest.raises(InputError, match=f"{table}.{key}: missing"):
+    with pytest.raises(InputError, match=f"^{table}.{key}: missing"):
         specimen_from_tables(tables)
 
 
