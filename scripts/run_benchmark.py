@@ -9,13 +9,19 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import calculix, compare, dshell, fenics
+from benchmarks import calculix, compare, dshell, fenics, machines
 from benchmarks.page import with_part
 
 from bilayer.errors import ComputationError, InputError
 from bilayer.runtime.output_file import whole_file
 
-BENCHMARKS = {"dshell": dshell, "fenics": fenics, "calculix": calculix, "compare": compare}
+BENCHMARKS = {
+    "dshell": dshell,
+    "fenics": fenics,
+    "calculix": calculix,
+    "compare": compare,
+    "machines": machines,
+}
 PAGE = Path(__file__).parents[1] / "docs" / "performance.md"
 
 

@@ -1,5 +1,6 @@
 """Progress of a run on stderr: a bar on a terminal, a line from time to time in a log."""
 
+import os
 import sys
 import threading
 import time
@@ -85,12 +86,26 @@ def progress_bar(title: str, shown: bool = True) -> Iterator[Progress]:
     latest = _Latest()
     if not shown:
         yield latest
-    elif sys.stderr.isatty() or in_notebook():
+    elif _has_room_for_bars() or in_notebook():
         with _bar(title, latest):
             yield latest
     else:
         with _lines(title, latest):
             yield latest
+
+
+def _has_room_for_bars() -> bool:
+    """Whether stderr is a terminal, and not one that says it has no columns.
+
+    A terminal of another program (script, expect, ssh -tt, a container's) may have no size; a bar
+    would be empty there.
+    """
+    if not sys.stderr.isatty():
+        return False
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns > 0
+    except (OSError, ValueError):  # not known
+        return True
 
 
 def in_notebook() -> bool:

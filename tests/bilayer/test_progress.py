@@ -1,6 +1,8 @@
 """Progress where nobody looks: lines in a log, not too many, also while a step takes long."""
 
 import io
+import os
+import pty
 import sys
 import time
 
@@ -70,3 +72,15 @@ def test_a_terminal_gets_a_sign_while_a_step_takes_long(monkeypatch):
     assert "searching for a stable branch, 0 s" in drawn
     assert "25%" in drawn
     assert "100%" in sys.stderr.getvalue().removeprefix(drawn)
+
+
+def test_a_terminal_without_columns_gets_lines(quickly, monkeypatch):
+    reading, writing = pty.openpty()  # its size is 0 x 0
+    with os.fdopen(writing, "w") as terminal:
+        monkeypatch.setattr("sys.stderr", terminal)
+        with progress_bar("dshell") as tell:
+            tell(0.5, "prestretch 1.03")
+            time.sleep(0.2)
+        terminal.flush()
+        assert b"dshell: 50%, prestretch 1.03" in os.read(reading, 1000)
+    os.close(reading)

@@ -91,3 +91,29 @@ def worktrees():
     command = ["git", "-C", str(CHECKOUT), "worktree", "list", "--porcelain"]
     listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     return [line for line in listed.splitlines() if "bilayer-earlier-" in line]
+
+
+def kept(folder, name, cpu, numbers=(2.0, 4.0)):
+    one = vars(comparison(cpu=(cpu, cpu), numbers=numbers))
+    path = folder / name
+    path.write_text(json.dumps({"machine": {"cores": cpu}, "comparisons": [one]}), encoding="utf-8")
+    return str(path)
+
+
+def test_the_files_of_two_machines_are_compared(tmp_path, capsys):
+    first, second = kept(tmp_path, "a.json", 2.0), kept(tmp_path, "b.json", 3.0, (2.0, 4.04))
+    assert run_benchmark.main(["machines", first, second]) == 0
+    text = capsys.readouterr().out
+    assert "2.0  |  3.0" in text
+    assert "2.00 3.00  1.50" in text
+    assert "1e-02" in text
+
+
+def test_what_is_no_file_of_a_machine_is_refused(tmp_path, capsys):
+    first, other = kept(tmp_path, "a.json", 2.0), tmp_path / "b.json"
+    other.write_text('{"machine": {}, "comparisons": []}', encoding="utf-8")
+    assert run_benchmark.main(["machines", first, str(other)]) == 2
+    assert "no case in common" in capsys.readouterr().err
+    other.write_text("[]", encoding="utf-8")
+    assert run_benchmark.main(["machines", first, str(other)]) == 2
+    assert "expected the keys machine and comparisons" in capsys.readouterr().err
