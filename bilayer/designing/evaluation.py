@@ -3,7 +3,8 @@
     value = M(D_s^2) / L^2 + w mean(P_s)
 
 over all scenarios s, with the distance D from the target, its bounding diagonal L, M the mean or
-the worst (`Robustness`), and the penalty P on places that nearly touch (`GapPenalty`).
+the worst (`Robustness`), and the penalty P on places that nearly touch (`GapPenalty`). A field of
+density has another, on what is between none and all (`grey_penalty`).
 """
 
 from collections.abc import Mapping
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from bilayer.designing.distance import Distance, Place, TargetDistance
 from bilayer.designing.equilibria import DesignShape, Model, SheetMesh, find_shape
+from bilayer.designing.fields import grey_penalty
 from bilayer.designing.gap import GapPenalty
 from bilayer.designing.softness import least_stiffness
 from bilayer.designing.task import DesignTask
@@ -188,9 +190,11 @@ class Evaluator:
             slopes = self._task.variables.ranges * scenario.slopes(self._task.variables.names)
             step = None if best is None else point - best.point
             parts.append(self._part(scenario.specimen(nominal), near, step, slopes))
-        return self._total(point, parts)
+        mesh = self._sheet.of(nominal)
+        grey, by_grey = grey_penalty(nominal, mesh, self._task.variables.names)
+        return self._total(point, parts, grey, by_grey * self._task.variables.ranges)
 
-    def _total(self, point: Array, parts: list["_Part"]) -> Evaluation:
+    def _total(self, point: Array, parts: list["_Part"], grey: float, by_grey: Array) -> Evaluation:
         squares = np.array([part.square for part in parts])
         total, weights = self._task.robustness.total(squares)
         gradient = sum(w * part.slope for w, part in zip(weights, parts, strict=True))
@@ -199,8 +203,8 @@ class Evaluator:
         by_penalty = GAP_WEIGHT * np.mean([part.penalty_slope for part in parts], axis=0)
         return Evaluation(
             point,
-            float(total + penalty),
-            np.asarray(gradient + by_penalty),
+            float(total + penalty + grey),
+            np.asarray(gradient + by_penalty + by_grey),
             np.asarray(curvature),
             tuple(part.found for part in parts),
             self._margins([part.found.stiffness for part in parts]),

@@ -8,6 +8,7 @@ on them, but for knots that lie beyond the rim at some angle.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
@@ -79,14 +80,19 @@ class PolarSheet:
     @classmethod
     def of(cls, specimen: Specimen) -> "PolarSheet":
         """Return the sheet of a specimen."""
-        cuts = {*_cuts(specimen)} - {None}
-        cut = next(iter(cuts), None)
-        if len(cuts) > 1 or not isinstance(cut, CutPattern | SectorProfile | None):
+        cut: Any = next((each for each in _cuts(specimen) if each is not None), None)
+        if not cls.is_known(specimen):
             raise InputError(
                 "pattern: expected one of the kinds 'sectors' and 'sector-profile', whose mesh can "
                 "be moved"
             )
         return cls(specimen.outline, cut)
+
+    @staticmethod
+    def is_known(specimen: Specimen) -> bool:
+        """Whether the cuts of a specimen are of a kind whose mesh can be moved."""
+        cuts = {*_cuts(specimen)} - {None}
+        return len(cuts) <= 1 and all(isinstance(c, CutPattern | SectorProfile) for c in cuts)
 
     @property
     def inner_radius(self) -> float:

@@ -38,11 +38,18 @@ class LeastWidths:
     def __post_init__(self) -> None:
         keep(self, not_negative, "least_web", "least_slot", "least_radius", unit="m")
 
+    @property
+    def are_wanted(self) -> bool:
+        """Whether any of them is more than 0."""
+        return max(self.least_web, self.least_slot, self.least_radius) > 0
+
     def margins(self, specimen: Specimen) -> Array:
         """Return how much wider everything is, over the characteristic length.
 
-        Negative where it is narrower; empty without cuts.
+        Negative where it is narrower; empty without cuts, and of drawn cuts, which stay.
         """
+        if not self.are_wanted and not PolarSheet.is_known(specimen):
+            return np.empty(0)
         sheet = PolarSheet.of(specimen)
         inner = sheet.inner_radius
         if sheet.cut is None:
@@ -55,6 +62,8 @@ class LeastWidths:
 
     def binding(self, specimen: Specimen, tolerance: float = 1e-3) -> list[str]:
         """Return the names of the widths that are at their least."""
+        if not self.are_wanted:
+            return []
         sheet = PolarSheet.of(specimen)
         if sheet.cut is None:
             return []

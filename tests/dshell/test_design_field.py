@@ -10,11 +10,12 @@ import bilayer
 from bilayer import InputError
 from bilayer.designing import targets
 from bilayer.designing.equilibria import Model, SheetMesh, find_shape
-from bilayer.designing.fields import cut_out
+from bilayer.designing.fields import GREY_WEIGHT, cut_out, grey_penalty, with_sharpness
 from bilayer.designing.targets import Target, cap
 from bilayer.designing.task import Check, DesignTask
 from bilayer.designing.trust_region import Limits
 from bilayer.designing.variables import Variable, Variables, value_of, with_values
+from bilayer.designing.widths import LeastWidths
 from bilayer.mesh.planar import flat_surface
 from bilayer.specimen.toml import specimen_to_toml
 from dshell.settings import MorleySettings
@@ -139,3 +140,32 @@ def test_what_a_field_cannot_have_is_refused(task):
     names = Variables((Variable("prestretch", 1.02, 1.3),))
     with pytest.raises(InputError, match="sharpness"):
         replace(task, specimen=plain, variables=names)
+
+
+def test_what_is_between_none_and_all_costs_more_as_it_is_sharper():
+    rng = np.random.default_rng(5)
+    specimen = sheet(rng.uniform(0.1, 0.9, 9), sharpness=6.0)
+    mesh = bilayer.generate_mesh(specimen)
+    names = ["prestretch", "kirigami.share.4"]
+    value, slopes = grey_penalty(specimen, mesh, names)
+    step = 1e-4
+    there = with_values(specimen, {names[1]: value_of(specimen, names[1]) + step})
+    assert grey_penalty(there, mesh, names)[0] - value == pytest.approx(step * slopes[1], rel=1e-2)
+    assert slopes[0] == 0.0
+    assert grey_penalty(with_sharpness(specimen, 0.0), mesh, names)[0] == 0.0
+    assert grey_penalty(cut_out(specimen), mesh, names[:1])[0] == 0.0
+    half = sheet([0.5] * 9, sharpness=20.0)
+    assert grey_penalty(half, mesh, names)[0] == pytest.approx(GREY_WEIGHT)
+
+
+def test_what_was_cut_out_can_be_designed_further(tmp_path):
+    """Its thicknesses and prestretch; the cuts stay."""
+    field = sheet([1.0, 0.9, 0.1, 0.8, 0.2, 0.0, 0.3, 0.1, 0.9])
+    variables = Variables((Variable("prestretch", 1.02, 1.3),))
+    task = DesignTask(
+        cut_out(field), Target(cap(0.04, 0.6), "cap"), variables, least_gap=0.0, limits=Limits(4)
+    )
+    outcome = bilayer.design(task, tmp_path / "d")
+    assert outcome.from_flat.shapes[0].distance < outcome.history[0].distances[0]
+    with pytest.raises(InputError, match="whose mesh can"):
+        replace(task, widths=LeastWidths(1e-3))
