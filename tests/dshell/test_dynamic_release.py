@@ -43,6 +43,18 @@ def test_what_still_moves_at_the_end_is_no_equilibrium(kind, coarse_specimen, co
 
 
 @KINDS
+def test_drag_slows_the_motion(kind, coarse_specimen, coarse_mesh):
+    specimen = coarse_specimen.with_milestones([1.03])
+    times = {"method": "dynamic", "total_time": 0.1, "time_step": 0.01}
+    free, slow = (
+        solve(specimen, "dshell", kind(damping_rate=rate, **times), mesh=coarse_mesh)
+        for rate in (0.0, 1e5)
+    )
+    risen = [np.ptp(result.last_position.values[0, :, 2]) for result in (free, slow)]
+    assert risen[1] < 0.5 * risen[0]
+
+
+@KINDS
 @pytest.mark.parametrize(
     ("values", "message"),
     [
