@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mechanics.dataset import (
+    COMPONENTS,
     DISTANCE_FIELD,
     LAYER_FIELDS,
     PRESTRETCH_FIELD,
+    PRINCIPAL,
     SCAN_FIELD,
     SHAPE_FIELDS,
 )
@@ -36,6 +38,8 @@ SHOWN_UNITS = {
     "J m-3": (1e-3, "mJ/cm3"),
 }
 """Factor and name of the unit in which people are shown a unit of the fields."""
+
+PROPER_NAMES = {"cauchy": "Cauchy", "gaussian": "Gaussian", "green": "Green"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +65,18 @@ class ScalarField:
 
     @property
     def label(self) -> str:
-        """Name and unit."""
-        return f"{self.name.replace('_', ' ')} ({self.unit})" if self.unit else self.name
+        """The name in words and the unit."""
+        return f"{self.words} ({self.unit})" if self.unit else self.words
+
+    @property
+    def words(self) -> str:
+        """The name in words, such as "first principal stress, kirigami, top"."""
+        variable, *choices = self.name.split(".")
+        words = [PROPER_NAMES.get(word, word) for word in variable.split("_")]
+        order = [choice for choice in choices if choice in PRINCIPAL]
+        component = [choice for choice in choices if choice in COMPONENTS]
+        where = [choice for choice in choices if choice not in (*order, *component)]
+        return ", ".join([" ".join([*order, *words, *component]), *where])
 
     def on_faces(self, mesh: PlanarMesh) -> NDArray[np.float64]:
         """Return the values on the faces, those of the nodes as means, (milestones, m)."""

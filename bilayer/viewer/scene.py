@@ -108,7 +108,7 @@ def scene_of(results: list[xr.Dataset], coloured_by: Sequence[ScalarField] = ())
 def _at_nodes(field: ScalarField, model: Model) -> Field:
     """Return a field of the faces or nodes as one of the nodes of a model's shapes."""
     values = field.on_nodes(model.mesh)[[shape.milestone for shape in model.shapes]]
-    return Field(field.name.replace("_", " "), field.unit, values)
+    return Field(field.words, field.unit, values)
 
 
 def _places(first: Model, other: Model) -> list[int]:

@@ -12,7 +12,7 @@ from made_results import cap_result, half_angle
 import bilayer
 from bilayer.cli.main import main
 from bilayer.mechanics.dataset import LAYER_FIELDS, SHAPE_FIELDS
-from bilayer.mechanics.selection import scalar_field
+from bilayer.mechanics.selection import ScalarField, scalar_field
 from bilayer.results.files import write_result
 
 ROOT = Path(__file__).parents[2]
@@ -164,6 +164,19 @@ def file(shell, tmp_path_factory) -> Path:
     return path
 
 
+@pytest.mark.parametrize(
+    ("name", "unit", "label"),
+    [
+        ("cauchy_stress.substrate.top.xx", "kPa", "Cauchy stress xx, substrate, top (kPa)"),
+        ("principal_stress.first", "kPa", "first principal stress (kPa)"),
+        ("energy_density.kirigami", "mJ/cm3", "energy density, kirigami (mJ/cm3)"),
+        ("volume_ratio", "", "volume ratio"),
+    ],
+)
+def test_a_label_is_what_a_reader_of_a_paper_understands(name, unit, label):
+    assert ScalarField(name, unit, "face", np.zeros((1, 1))).label == label
+
+
 def test_plot_and_view_draw_a_field(file, tmp_path, capsys):
     figure, page = tmp_path / "stress.png", tmp_path / "page.html"
     name = "principal_stress.substrate.top.first"
@@ -174,7 +187,7 @@ def test_plot_and_view_draw_a_field(file, tmp_path, capsys):
     text = page.read_text()
     scene = json.loads(text[text.index('id="scene">') + 11 :].split("</script>")[0])
     fields = {field["name"]: field for field in scene["models"][0]["fields"]}
-    assert fields["principal stress.substrate.top.first"]["unit"] == "kPa"
+    assert fields["first principal stress, substrate, top"]["unit"] == "kPa"
     assert fields["mean curvature"]["high"] > fields["mean curvature"]["low"]
 
 

@@ -48,10 +48,18 @@ assert float(far.sel({"cut.cutout_angle": 0.1})) > 0.6
 assert float(far.sel({"cut.cutout_angle": 0.4})) < 0.3
 
 # %%
+# Domes and rolled sheets are different branches, so no line joins them: nothing between them was
+# computed. ``bilayer plot-study`` leaves such gaps by itself.
+
 figure, axes = plt.subplots(figsize=(4.8, 3.6), layout="constrained")
 for prestretch in (1.06, 1.12):
     values = quality.sel(prestretch=prestretch)
-    axes.plot(values["cut.cutout_angle"], values, "o-", label=f"prestretch {prestretch}")
+    angle, domes = values["cut.cutout_angle"], values.where(values < 0.6)
+    (line,) = axes.plot(angle, domes, "o-", label=f"prestretch {prestretch}, domes")
+    rolled = values.where(values >= 0.6)
+    if rolled.notnull().any():
+        look = {"color": line.get_color(), "markerfacecolor": "white"}
+        axes.plot(angle, rolled, "o--", **look, label=f"prestretch {prestretch}, rolled up")
 axes.set(xlabel="cutout angle (rad)", ylabel="quality (0: hemisphere, 1: flat)")
 axes.legend()
 figure.savefig("cutout_angle.png")
