@@ -2,7 +2,7 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import xarray as xr
 
@@ -20,6 +20,7 @@ from bilayer.specimen.units import in_si
 if TYPE_CHECKING:
     from bilayer.scan.cloud import Cloud
     from bilayer.scan.comparison import ScanMatch
+    from bilayer.scan.profile import ProfileMatch
 
 RESULT = ".nc"
 MAPS = WITH_LAYERS
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _is_map(options: argparse.Namespace) -> bool:
     """Whether the distance of a scan is to be written as a field."""
-    of_scan = Path(options.other).suffix.lower() != RESULT
+    of_scan = Path(options.other).suffix.lower() != RESULT and not options.profile
     return of_scan and Path(options.output or "").suffix.lower() in MAPS
 
 
@@ -104,14 +105,45 @@ def _check_order(options: argparse.Namespace) -> None:
 
 
 def _compare_profile(options: argparse.Namespace) -> int:
-    from bilayer.scan.profile import compare_profile, profile_table, read_profile
+    from bilayer.figures.saving import save_figure  # matplotlib takes half a second
+    from bilayer.figures.scan import draw_profile
+    from bilayer.scan.comparison import best_match
+    from bilayer.scan.profile import (
+        compare_profile,
+        profile_record,
+        profile_table,
+        read_profile,
+    )
+    from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
 
-    if options.fit is not None or options.output is not None or options.json:
-        raise InputError("--profile: a table alone, expected no --fit, --output or --json")
-    unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
-    matches = compare_profile(open_result(options.result), read_profile(options.other, unit))
-    say(profile_table(matches))
+    result, profile = open_result(options.result), read_profile(options.other, _unit(options))
+    matches = compare_profile(result, profile)
+    best, record, text = (
+        matches[best_match(matches)],
+        profile_record(matches),
+        profile_table(matches),
+    )
+    if options.fit is not None:
+        found = fit_to_scan(result, profile, options.fit, trust=options.trust)
+        best = cast("ProfileMatch", found.match)
+        record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": best.rms}
+        text += f"\n\n{scan_fit_report(found)}"
+    _tell(options, record, text)
+    if options.output is not None:
+        save_figure(draw_profile(profile, best), options.output)
     return 0
+
+
+def _unit(options: argparse.Namespace) -> float:
+    """Return one unit of a scan's coordinates, m."""
+    return float(in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"])
+
+
+def _tell(options: argparse.Namespace, record: dict[str, Any], text: str) -> None:
+    if options.json:
+        say_json(record)
+    elif not options.quiet:
+        say(text)
 
 
 def _compare_scan(options: argparse.Namespace) -> int:
@@ -126,8 +158,7 @@ def _compare_scan(options: argparse.Namespace) -> int:
     )
     from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
 
-    unit = in_si("--unit", {"unit": f"1 {options.unit}"}, {"unit": "m"})["unit"]
-    result, cloud = open_result(options.result), read_cloud(options.other, unit)
+    result, cloud = open_result(options.result), read_cloud(options.other, _unit(options))
     doubt = size_doubt(result, cloud)
     if doubt:
         warn(doubt)
@@ -137,13 +168,11 @@ def _compare_scan(options: argparse.Namespace) -> int:
     text = f"{scan_table(matches)}\n\n{ways_table(best)}"
     if options.fit is not None:
         found = fit_to_scan(result, cloud, options.fit, trust=options.trust)
-        result, matches, best = found.result, [found.match], found.match
+        best = cast("ScanMatch", found.match)
+        result, matches = found.result, [best]
         record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": best.rms}
         text += f"\n\n{scan_fit_report(found)}"
-    if options.json:
-        say_json(record)
-    elif not options.quiet:
-        say(text)
+    _tell(options, record, text)
     if options.output is not None:
         _write_scan(options, result, cloud, matches)
     return 0

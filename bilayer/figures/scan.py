@@ -7,6 +7,7 @@ from bilayer.figures.style import new_figure, print_style
 from bilayer.results.released_shapes import MM_PER_M
 from bilayer.scan.cloud import Cloud
 from bilayer.scan.comparison import ScanMatch
+from bilayer.scan.profile import Profile, ProfileMatch
 
 SHOWN = 20_000
 """Points drawn."""
@@ -52,4 +53,27 @@ def draw_scan(scan: Cloud, match: ScanMatch) -> Figure:
         beside.hist(distance[counted], bins=60, color="0.5")
         beside.set(xlabel="distance (mm)", ylabel="points")
         beside.set_title(f"rms {MM_PER_M * match.rms:.3f} mm")
+        return figure
+
+
+def draw_profile(profile: Profile, match: ProfileMatch) -> Figure:
+    """Draw a profile laid onto the edge of a shape, as seen from the side.
+
+    Parameters
+    ----------
+    profile : Profile
+        From a photograph.
+    match : ProfileMatch
+        Of the milestone that is drawn.
+    """
+    edge = MM_PER_M * match.edge
+    points = MM_PER_M * (profile.points + match.shift)
+    with print_style():
+        figure = new_figure(5.0, 3.4)
+        axes = figure.subplots()
+        axes.plot(*edge.T, color="0.4", label=match.title)
+        axes.plot(*points.T, ".", markersize=3, color="tab:red", label=profile.name)
+        axes.set(aspect="equal", xlabel="to the right (mm)", ylabel="up (mm)")
+        axes.set_title(f"rms {MM_PER_M * match.rms:.3f} mm")
+        axes.legend(frameon=False)
         return figure

@@ -1,9 +1,9 @@
 """A scan against the shapes of a result: which milestone it is, and how far it is away."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -189,7 +189,15 @@ def _diagonal(points: Array) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def best_match(matches: list[ScanMatch]) -> int:
+class Ranked(Protocol):
+    """What is laid onto the shape of a milestone."""
+
+    @property
+    def cost(self) -> float:
+        """By which milestones are ranked, m."""
+
+
+def best_match(matches: Sequence[Ranked]) -> int:
     """Return the place of the milestone that fits best."""
     return min(range(len(matches)), key=lambda place: matches[place].cost)
 

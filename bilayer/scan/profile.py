@@ -7,6 +7,7 @@ its plane by iterated closest points. It is not turned: up is up.
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,7 +19,8 @@ from bilayer.results.milestones import along_milestones
 from bilayer.results.released_shapes import MM_PER_M, released_shapes
 from bilayer.results.schema import result_mesh
 from bilayer.scan.cloud import read_table
-from bilayer.scan.samples import even_samples
+from bilayer.scan.comparison import best_match
+from bilayer.scan.samples import Samples, even_samples
 from bilayer.validation import positive
 
 Array = NDArray[np.float64]
@@ -29,6 +31,8 @@ SAMPLES, BINS = 20_000, 120
 """Points of a shape, and pieces of its width in which the highest of them counts."""
 DENSE = 20
 """Points that stand for a piece of the edge."""
+ROUGH, LIKELY = 5, 8
+"""Steps of the shift from every direction, and from how many of them it goes on."""
 LONGEST, STILL = 40, 1e-7
 """Steps of the shift at most; the last is shorter than so many m."""
 LEAST_POINTS = 5
@@ -74,17 +78,28 @@ class ProfileMatch:
         What lays it there, m.
     distances : ndarray, shape (n,)
         Of its points from the edge, m.
+    edge : ndarray, shape (k, 2)
+        Points of the shape's edge from there, m.
+    diagonal : float
+        Of the box around the shape, m.
     """
 
     title: str
     azimuth: float
     shift: Array
     distances: Array
+    edge: Array
+    diagonal: float
 
     @property
     def rms(self) -> float:
         """Root mean square of the distances, m."""
         return float(np.sqrt(np.mean(self.distances**2)))
+
+    @property
+    def cost(self) -> float:
+        """By which milestones are ranked, m."""
+        return self.rms
 
 
 def read_profile(path: str | Path, unit: float = 1e-3) -> Profile:
@@ -132,25 +147,48 @@ def compare_profile(result: xr.Dataset, profile: Profile) -> list[ProfileMatch]:
 
 
 def profile_table(matches: list[ProfileMatch]) -> str:
-    """Return a line a milestone, in mm; * fits best."""
-    best = min(match.rms for match in matches)
-    lines = ["mm              rms    95 %  largest  azimuth"]
+    """Return a line a milestone, in mm and in per cent of the diagonal; * fits best."""
+    best = best_match(matches)
+    lines = ["mm         rms (of the diagonal)    95 %  largest  azimuth"]
     lines += [
-        f"{match.title:8} {'*' if match.rms == best else ' '} {MM_PER_M * match.rms:8.3f} "
-        f"{MM_PER_M * np.quantile(match.distances, 0.95):7.3f} "
+        f"{match.title:8} {'*' if place == best else ' '}"
+        f"{MM_PER_M * match.rms:8.3f} ({100 * match.rms / match.diagonal:.2f} %)  "
+        f"{MM_PER_M * np.quantile(match.distances, 0.95):14.3f} "
         f"{MM_PER_M * match.distances.max():8.3f} {np.degrees(match.azimuth):6.0f} deg"
-        for match in matches
+        for place, match in enumerate(matches)
     ]
     return "\n".join(lines)
+
+
+def profile_record(matches: list[ProfileMatch]) -> dict[str, Any]:
+    """Return what `profile_table` shows, in SI units; `best` is the milestone that fits best."""
+    return {
+        "best": matches[best_match(matches)].title,
+        "units": dict.fromkeys(("rms", "quantile_95", "largest", "diagonal"), "m")
+        | {"azimuth": "rad"},
+        "milestones": [
+            {
+                "title": match.title,
+                "rms": match.rms,
+                "quantile_95": float(np.quantile(match.distances, 0.95)),
+                "largest": float(match.distances.max()),
+                "diagonal": match.diagonal,
+                "azimuth": match.azimuth,
+            }
+            for match in matches
+        ],
+    }
 
 
 def _best(title: str, surface: Surface, profile: Array) -> ProfileMatch:
     """Return the profile laid onto the edge from the direction that suits it best."""
     metres = Surface(np.asarray(surface.points / MM_PER_M, dtype=np.float64), surface.triangles)
-    points = even_samples(metres, SAMPLES).points
+    samples = even_samples(metres, SAMPLES)
     turns = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    matches = [_laid(title, float(turn), edge_of(points, float(turn)), profile) for turn in turns]
-    return min(matches, key=lambda match: match.rms)
+    rough = [_laid(title, float(turn), samples, profile, ROUGH) for turn in turns]
+    likely = sorted(rough, key=lambda match: match.cost)[:LIKELY]
+    matches = [_laid(title, match.azimuth, samples, profile, LONGEST) for match in likely]
+    return matches[best_match(matches)]
 
 
 def edge_of(points: Array, azimuth: float) -> Array:
@@ -172,20 +210,21 @@ def edge_of(points: Array, azimuth: float) -> Array:
     return np.column_stack([along[highest], points[highest, 2]])
 
 
-def _laid(title: str, azimuth: float, edge: Array, profile: Array) -> ProfileMatch:
-    """Return a profile shifted onto an edge, a line through its points."""
+def _laid(title: str, azimuth: float, shape: Samples, profile: Array, steps: int) -> ProfileMatch:
+    """Return a profile shifted onto the edge from a direction, a line through its points."""
     from scipy.spatial import cKDTree  # slow to load
 
+    edge = edge_of(shape.points, azimuth)
     share = np.arange(DENSE)[:, None, None] / DENSE
     line = ((1 - share) * edge[:-1] + share * edge[1:]).reshape(-1, 2)
     tree = cKDTree(line)
     shift = np.array([edge[:, 0].mean(), edge[:, 1].max()])
     shift -= [profile[:, 0].mean(), profile[:, 1].max()]
-    for _ in range(LONGEST):
+    for _ in range(steps):
         nearest = tree.query(profile + shift)[1]
         step = np.mean(line[nearest] - profile - shift, axis=0)
         shift = shift + step
         if np.linalg.norm(step) < STILL:
             break
     distances = tree.query(profile + shift)[0]
-    return ProfileMatch(title, azimuth, shift, np.asarray(distances))
+    return ProfileMatch(title, azimuth, shift, np.asarray(distances), edge, shape.diagonal)

@@ -4,6 +4,7 @@ The parameter is the prestretch, or any other of `bilayer.solvers.parameters` at
 fits best, such as a thickness or a constant of a law.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,7 @@ from bilayer.results.schema import result_mesh, result_specimen
 from bilayer.results.table import stretches
 from bilayer.scan.cloud import Cloud
 from bilayer.scan.comparison import ScanMatch, best_match, compare_scan, match_near
+from bilayer.scan.profile import Profile, ProfileMatch, compare_profile
 from bilayer.solvers.parameters import changed, parameter_value
 from bilayer.solvers.registry import solve
 from bilayer.solvers.rerun import result_settings
@@ -24,6 +26,8 @@ from bilayer.specimen.prestretch import StretchPair
 from bilayer.specimen.settings import check_plain
 from bilayer.specimen.specimen import Specimen
 
+Target = Cloud | Profile
+Match = ScanMatch | ProfileMatch
 REACH = 0.3
 """Of a parameter that is not the prestretch: it is sought so far to either side, over its value."""
 WIDEN = 0.02
@@ -44,7 +48,7 @@ class ScanFit:
         The best value, and that of the result's nearest milestone, in SI units.
     bounds : (float, float)
         Within which it was sought.
-    match : ScanMatch
+    match : ScanMatch or ProfileMatch
         The scan laid onto the best shape.
     result : Dataset
         That shape as a result.
@@ -56,7 +60,7 @@ class ScanFit:
     value: float
     given: float
     bounds: tuple[float, float]
-    match: ScanMatch
+    match: Match
     result: xr.Dataset
     tried: dict[float, float]
 
@@ -68,7 +72,7 @@ class ScanFit:
 
 
 def fit_to_scan(
-    result: xr.Dataset, scan: Cloud, parameter: str = "prestretch", *, trust: bool = False
+    result: xr.Dataset, scan: Target, parameter: str = "prestretch", *, trust: bool = False
 ) -> ScanFit:
     """Find the value of a parameter with which the shape fits a scan best.
 
@@ -76,7 +80,7 @@ def fit_to_scan(
     ----------
     result : Dataset
         Its solver, settings and mesh are used; its shapes start the others.
-    scan : Cloud
+    scan : Cloud or Profile
         Of the part.
     parameter : str
         "prestretch", "prestretch.x", or another of `bilayer.solvers.parameters`, such as
@@ -107,7 +111,7 @@ def fit_to_scan(
     if not trust:
         check_plain(settings)
     specimen, mesh = result_specimen(known), result_mesh(known)
-    matches = compare_scan(known, scan)
+    matches = _laid(known, scan)
     best = best_match(matches)
     x, y = stretches(known)[best]
     stretch = (float(x), float(y))
@@ -123,6 +127,20 @@ def fit_to_scan(
         raise ComputationError(f"{parameter}: no shape was found from {low:g} to {high:g}")
     value, match, shape = search.best
     return ScanFit(parameter, value, given, bounds, match, shape, search.tried)
+
+
+def _laid(result: xr.Dataset, scan: Target) -> Sequence[Match]:
+    """Return what is measured laid onto the shape of each milestone."""
+    if isinstance(scan, Profile):
+        return compare_profile(result, scan)
+    return compare_scan(result, scan)
+
+
+def _laid_near(result: xr.Dataset, scan: Target, near: Match) -> Match:
+    """Return what is measured laid onto the only shape of a result, from where it was before."""
+    if isinstance(scan, Cloud) and isinstance(near, ScanMatch):
+        return match_near(result, scan, near.motion)
+    return _laid(result, scan)[0]
 
 
 def _bounds(result: xr.Dataset, parameter: str, given: float, best: int) -> tuple[float, float]:
@@ -144,19 +162,19 @@ class _Search:
     def __init__(
         self,
         result: xr.Dataset,
-        scan: Cloud,
+        scan: Target,
         specimen: Specimen,
         mesh: PlanarMesh,
         settings: Any,
         stretch: StretchPair,
         parameter: str,
-        near: ScanMatch,
+        near: Match,
     ) -> None:
         self._result, self._scan, self._near = result, scan, near
         self._specimen, self._mesh, self._settings = specimen, mesh, settings
         self._stretch, self._parameter = stretch, parameter
         self._given = parameter_value(specimen, stretch, parameter)
-        self.best: tuple[float, ScanMatch, xr.Dataset] | None = None
+        self.best: tuple[float, Match, xr.Dataset] | None = None
         self.tried: dict[float, float] = {}
 
     def cost(self, value: float) -> float:
@@ -172,7 +190,7 @@ class _Search:
         )
         if not shape["converged"].values[0]:
             return float("inf")
-        match = match_near(shape, self._scan, self._near.motion)
+        match = _laid_near(shape, self._scan, self._near)
         self.tried[float(value)] = match.cost
         if self.best is None or match.cost < self.best[1].cost:
             self.best = float(value), match, shape

@@ -1,5 +1,6 @@
 """Profiles from photographs: the edge of a shape seen from the side, and which milestone it is."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +62,12 @@ def test_a_profile_on_the_command_line(result, tmp_path, capsys):
     titles = [shape.title for shape in released_shapes(result, bilayer.result_mesh(result))]
     assert starred.startswith(titles[1])
     assert read_profile(edge).points == pytest.approx(1e-3 * seen, rel=1e-9)
-    assert main(["compare", str(file), str(edge), "--profile", "--fit", "prestretch"]) == 2
+    words = ["compare", str(file), str(edge), "--profile", "--json"]
+    assert main([*words, "-o", str(tmp_path / "edge.png")]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["best"] == titles[1] and (tmp_path / "edge.png").stat().st_size > 10_000
+    assert record["milestones"][1]["rms"] < 4 * NOISE < record["milestones"][0]["rms"]
+    assert main([*words, "-o", str(tmp_path / "map.vtu")]) == 2
 
 
 def test_bad_profiles_are_refused():

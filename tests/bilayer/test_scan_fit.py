@@ -1,5 +1,6 @@
 """The parameter that fits a scan best, and results on other meshes against each other."""
 
+import json
 import re
 from dataclasses import replace
 
@@ -13,7 +14,9 @@ from bilayer.cli.main import main
 from bilayer.geometry.surface import Surface
 from bilayer.results.files import write_result
 from bilayer.results.other_mesh import positions_on
+from bilayer.results.released_shapes import released_shapes
 from bilayer.scan.cloud import Cloud, read_cloud
+from bilayer.scan.profile import edge_of
 from bilayer.scan.samples import even_samples
 from bilayer.solvers.scan_fit import fit_to_scan
 
@@ -62,6 +65,23 @@ def test_the_prestretch_of_a_scan_between_two_milestones(specimen, result, tmp_p
     assert float(rms) < 3e3 * NOISE and "bound" not in said
     assert main(["compare", str(file), str(file), "--fit", "prestretch"]) == 2
     assert "expected no second result" in capsys.readouterr().err
+
+
+def test_the_prestretch_of_a_profile(specimen, result, tmp_path, capsys):
+    """The edge of a shape between two milestones, as in a photograph."""
+    file, points = tmp_path / "a.nc", tmp_path / "edge.csv"
+    write_result(result, file)
+    mesh = bilayer.result_mesh(result)
+    seen = bilayer.solve(specimen.with_milestones([1.05]), "dshell", mesh=mesh)
+    (shape,) = released_shapes(seen, mesh)
+    surface = Surface(1e-3 * shape.surface.points, mesh.triangles)
+    edge = edge_of(even_samples(surface, 20_000).points, np.radians(10))
+    np.savetxt(points, 1e3 * edge + [200, 30], delimiter=",", header="x,z", comments="")
+    words = ["compare", str(file), str(points), "--profile", "--fit", "prestretch", "--json"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)["fit"]
+    assert found["value"] == pytest.approx(1.05, abs=1e-3)
+    assert found["rms"] < 1e-4
 
 
 def test_a_shape_on_another_mesh_is_the_same_shape():
