@@ -1,13 +1,16 @@
 """Gradient flow: a viscous flow at fixed load to a stable equilibrium, if none is near.
 
 The displacement obeys c M du/dt = -dE/du, the pressures stay in balance (a viscous regularisation;
-backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 0 with k = c / dt,
-by corrections with one factor of its tangent. That must have no unstable mode, and the energy must
-fall by what the viscosity takes: then the step went downhill. A step that is not solved to the end
-counts as well, because the pseudo-time has no meaning. So k falls as long as the steps go downhill,
-and to zero near an equilibrium; it grows where they do not. A step costs one factorisation. It
-begins ahead on the way of the step before: a thin body bends along a curve, and the longest step is
-the one whose start is not yet stretched too much.
+backward Euler in time). Each time step solves R(u, p) + k M (u - u_previous) = 0 with k = c / dt.
+Its first tangent must have no unstable mode, and the energy must fall by what the viscosity takes:
+then the step went downhill. A step that is not solved to the end counts as well, because the
+pseudo-time has no meaning. So k falls as long as the steps go downhill, and to zero near an
+equilibrium; it grows where they do not.
+
+A thin body bends along a curve. On its tangent it stretches, and what a step's first tangent knows
+is wrong from there on. A second one, its stress extrapolated from the start, takes that stretch
+away again (`solid.tangent`). So a step of two or three tangents goes many times as far as one that
+keeps to the first.
 
 Sources: C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523 (pseudo-transient
 continuation); the energy as judge makes it a trust-region method: N. I. M. Gould, S. Lucidi,
@@ -15,20 +18,18 @@ M. Roma, Ph. L. Toint, SIAM J. Optim. 9 (1999) 504-525.
 """
 
 import math
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fenics_model.branches.buckling_modes import buckling_modes
 from fenics_model.branches.condensed_energy import CondensedEnergy, PressureBalance
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.solid.state import State
 from fenics_model.solve.corrections import CorrectionRule
 from fenics_model.solve.effort import Effort
+from fenics_model.solve.factors import Factors
 from fenics_model.solve.newton import Newton, NewtonOutcome
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,10 @@ class FlowRule:
     ----------
     step_limit : int
         Time steps after which it has failed.
+    tangents : int
+        Of a time step at most.
     easy, hard : int
-        Corrections up to which a time step is an easy one, and from which on it is a hard one.
+        Tangents up to which a time step is an easy one, and from which on it is a hard one.
     easy_growth, growth, hard_growth : float
         Factors of the time step after an easy one, another, and a hard one.
     growth_after_cut : float
@@ -52,14 +55,17 @@ class FlowRule:
         unstable modes.
     several, many : int
         Unstable modes.
+    beyond : float
+        k beyond the one at which the most unstable mode would be neither stable nor unstable, over
+        what is missing up to there. Of several modes at most; more are not computed.
     stiffest : float
         k over the first one beyond which a failing time step is no longer cut.
     slow : float
-        The flow is nearly at rest: its viscous force over the reference.
+        The flow is nearly at rest: its viscous force over that at the end of the step before.
+    shorter : float
+        The same of the way of a step.
     retry : float
         Factor by which k falls until a flow without viscosity is tried again.
-    ahead : float
-        How far a time step begins ahead of its start, over the step before, at most.
     step_accuracy : float
         To what part of its start the residual falls in a time step.
     energy_noise : float
@@ -69,34 +75,36 @@ class FlowRule:
     """
 
     step_limit: int = 100
-    easy: int = 6
-    hard: int = 12
-    easy_growth: float = 16.0
-    growth: float = 6.0
-    hard_growth: float = 2.0
+    tangents: int = 4
+    easy: int = 2
+    hard: int = 4
+    easy_growth: float = 10.0
+    growth: float = 4.0
+    hard_growth: float = 1.5
     growth_after_cut: float = 1.5
     recovery: float = 1.25
-    quick_recovery: float = 3.0
+    quick_recovery: float = 4.0
     cut: float = 4.0
     cut_several: float = 25.0
     cut_many: float = 625.0
-    several: int = 2
-    many: int = 6
+    several: int = 6
+    many: int = 20
+    beyond: float = 2.0
     stiffest: float = 1e8
-    slow: float = 1e-3
-    retry: float = 30.0
-    ahead: float = 2.0
-    step_accuracy: float = 1e-3
+    slow: float = 0.1
+    shorter: float = 0.5
+    retry: float = 10.0
+    step_accuracy: float = 0.1
     energy_noise: float = 1e-9
     corrections: CorrectionRule = field(
-        default_factory=lambda: CorrectionRule(tangent_cost=30.0, fewest=8)
+        default_factory=lambda: CorrectionRule(tangent_cost=12.0, window=2, fewest=1, fruitless=0.3)
     )
 
-    def growth_after(self, corrections: int) -> float:
+    def growth_after(self, tangents: int) -> float:
         """Return the factor of the time step after one that was solved."""
-        if corrections <= self.easy:
+        if tangents <= self.easy:
             return self.easy_growth
-        return self.growth if corrections < self.hard else self.hard_growth
+        return self.growth if tangents < self.hard else self.hard_growth
 
     def cut_after(self, modes: int) -> float:
         """Return the factor of k after a failure with some unstable modes."""
@@ -147,12 +155,14 @@ class ViscosityControl:
     Examples
     --------
     >>> control = ViscosityControl(FlowRule(), k=1.0, last=1.0)
-    >>> control.after_success(corrections=20, is_nearly_at_rest=False).k
-    0.5
-    >>> control.after_success(corrections=20, is_nearly_at_rest=True).k
+    >>> control.after_success(tangents=3, is_nearly_at_rest=False).k
+    0.25
+    >>> control.after_success(tangents=3, is_nearly_at_rest=True).k
     0.0
-    >>> control.after_failure(modes=1).k
+    >>> control.after_failure(modes=0).k
     4.0
+    >>> control.after_failure(modes=1, missing=3.0).k
+    7.0
     """
 
     rule: FlowRule
@@ -161,13 +171,13 @@ class ViscosityControl:
     least: float = math.inf
     most_growth: float = math.inf
 
-    def after_success(self, corrections: int, is_nearly_at_rest: bool) -> "ViscosityControl":
+    def after_success(self, tangents: int, is_nearly_at_rest: bool) -> "ViscosityControl":
         """Return the control after a time step that was solved."""
         if self.k == 0:
             return self
-        less = self.k / min(self.rule.growth_after(corrections), self.most_growth)
+        less = self.k / min(self.rule.growth_after(tangents), self.most_growth)
         is_tried = is_nearly_at_rest and less < self.least
-        is_easy = corrections <= self.rule.easy
+        is_easy = tangents <= self.rule.easy
         growth = self.most_growth * (self.rule.quick_recovery if is_easy else self.rule.recovery)
         return replace(self, k=0.0 if is_tried else less, last=less, most_growth=growth)
 
@@ -175,18 +185,24 @@ class ViscosityControl:
         """Return the control after a time step that went downhill, but was not solved."""
         return self if self.k > 0 or is_nearer else self._with_viscosity()
 
-    def after_failure(self, modes: int) -> "ViscosityControl":
+    def after_failure(self, modes: int, missing: float | None = None) -> "ViscosityControl":
         """Return the control after a time step that did not go downhill.
 
         Parameters
         ----------
         modes : int
-            Unstable modes of its tangent; several need much more viscosity.
+            Unstable modes of its tangent; many need much more viscosity.
+        missing : float, optional
+            What k lacks until the most unstable one is none, if it is known.
         """
-        if self.k == 0:
+        if missing is not None:
+            more = self.k + self.rule.beyond * missing
+            least = self.least if self.k > 0 else more / self.rule.retry
+        elif self.k == 0:
             return self._with_viscosity()
-        more = self.k * self.rule.cut_after(modes)
-        return replace(self, k=more, last=more, most_growth=self.rule.growth_after_cut)
+        else:
+            more, least = self.k * self.rule.cut_after(modes), self.least
+        return replace(self, k=more, last=more, least=least, most_growth=self.rule.growth_after_cut)
 
     def _with_viscosity(self) -> "ViscosityControl":
         return replace(self, k=self.last, least=self.last / self.rule.retry)
@@ -206,25 +222,15 @@ class _Place:
 
 
 @dataclass(frozen=True, eq=False)
-class _Motion:
-    """The change of state in a time step, and the k of that step."""
-
-    change: Array
-    k: float
-
-    def ahead(self, k: float, most: float) -> Array:
-        """Return what the same velocity gives in a step with another k, times `most` at most."""
-        return min(most, self.k / k) * self.change
-
-
-@dataclass(frozen=True, eq=False)
 class _Step:
     """A time step, as far as it came.
 
     Parameters
     ----------
     modes : int
-        Unstable modes of its tangent.
+        Unstable modes of its first tangent.
+    missing : float or None
+        See `ViscosityControl.after_failure`.
     outcome : NewtonOutcome or None
         Its solution; None if the tangent is not stable.
     end : _Place or None
@@ -234,10 +240,16 @@ class _Step:
     """
 
     modes: int
+    missing: float | None = None
     outcome: NewtonOutcome | None = None
     end: _Place | None = None
     force: float = 0.0
     work: float = 0.0
+
+    @property
+    def tangents(self) -> int:
+        """Number of tangents that it took."""
+        return 1 if self.outcome is None else 1 + self.outcome.iterations
 
 
 class GradientFlow:
@@ -260,6 +272,13 @@ class GradientFlow:
         self._rule = FlowRule() if rule is None else rule
         self._energy = CondensedEnergy(newton)
 
+    def lowest(self, states: Sequence[State]) -> State:
+        """Return the state of least energy, the last one if none has an energy."""
+        with self._energy.at_present_loads() as balance:
+            energies = [balance.energy(state) for state in states]
+        finite = [one for one in range(len(states)) if math.isfinite(energies[one])]
+        return states[min(finite, key=lambda one: energies[one], default=-1)]
+
     def flow_to_equilibrium(
         self, start: State, tolerance: float, reference: float, *, step_limit: int | None = None
     ) -> FlowOutcome:
@@ -280,65 +299,67 @@ class GradientFlow:
         limit = min(rule.step_limit, rule.step_limit if step_limit is None else step_limit)
         control = ViscosityControl(rule, self._first, self._first)
         with self._energy.at_present_loads() as balance:
-            here, motion = _Place.at(start, balance, self._newton), None
+            here, way = _Place.at(start, balance, self._newton), 0.0
+            is_first = True
             while effort.flow_steps < limit and control.k <= rule.stiffest * self._first:
                 left = here.residual / tolerance
                 self._newton.tell(
                     f"viscous flow, step {effort.flow_steps + 1}, residual {left:.1e} of what is "
                     "accepted"
                 )
-                step = self._take_step(here, motion, control.k, tolerance, balance)
-                effort += Effort(1, flow_steps=1)
+                step = self._take_step(here, control.k, tolerance, balance)
+                effort += Effort(step.tangents, flow_steps=1)
                 outcome, end = step.outcome, step.end
                 if outcome is None or end is None or not self._went_down(here, end, step.work):
-                    control = control.after_failure(step.modes)
+                    control = control.after_failure(step.modes, step.missing)
                     continue
                 effort += Effort(dissipated=step.work)
-                if control.k > 0 and outcome.corrections == 0 and motion is None:
+                if control.k > 0 and outcome.corrections == 0 and is_first:
                     break  # at rest in an unstable equilibrium: it would stay for ever
                 if control.k == 0 and outcome.converged:
                     return self._end(outcome, effort)
-                motion = None
+                is_first = False
                 if outcome.converged:
-                    if control.k > 0 and outcome.corrections > 0:
-                        motion = _Motion(end.state - here.state, control.k)
-                    is_slow = step.force < rule.slow * reference
-                    control = control.after_success(outcome.corrections, is_slow)
+                    before, way = way, self._newton.solid.displacement_norm(end.state - here.state)
+                    is_slow = step.force < rule.slow * min(here.residual, reference)
+                    is_at_end = is_slow and way < rule.shorter * before
+                    control = control.after_success(step.tangents, is_at_end)
                 else:
                     control = control.after_part(end.residual < here.residual / 2)
                 here = end
         return FlowOutcome(here.state, None, effort)
 
     def _take_step(
-        self,
-        here: _Place,
-        motion: _Motion | None,
-        k: float,
-        tolerance: float,
-        balance: PressureBalance,
+        self, here: _Place, k: float, tolerance: float, balance: PressureBalance
     ) -> _Step:
-        """Take one time step, with one factorisation, from where the last motion leads."""
-        guess = here.state
-        if k and motion is not None:
-            guess = self._newton.reach(guess, guess + motion.ahead(k, self._rule.ahead))
+        """Take one time step."""
+        rule, newton = self._rule, self._newton
         with ExitStack() as stack:
-            viscosity = stack.enter_context(self._newton.slow_down(k, here.state)) if k else None
-            factors = self._newton.factorise(guess)
-            modes = unstable_modes(factors, self._newton.solid.number_of_pressures)
+            viscosity = stack.enter_context(newton.slow_down(k, here.state)) if k else None
+            factors = newton.factorise(here.state)
+            modes = unstable_modes(factors, newton.solid.number_of_pressures)
             if factors.failure or modes > 0:
-                return _Step(modes)
-            outcome = self._newton.solve(
-                guess,
-                self._rule.step_accuracy * here.residual if k else tolerance,
+                return _Step(modes, self.missing_viscosity(factors, modes, here.state))
+            outcome = newton.solve(
+                here.state,
+                max(tolerance, rule.step_accuracy * here.residual) if k else tolerance,
                 factors,
-                iteration_limit=0,
-                rule=self._rule.corrections,
+                iteration_limit=rule.tangents - 1,
+                rule=rule.corrections,
             )
             held_back = (0.0, 0.0)
             if viscosity is not None:
                 held_back = viscosity.norm_and_work(outcome.state)
-        end = _Place.at(outcome.state, balance, self._newton)
-        return _Step(modes, outcome, end, *held_back)
+        end = _Place.at(outcome.state, balance, newton)
+        return _Step(modes, None, outcome, end, *held_back)
+
+    def missing_viscosity(self, factors: Factors, modes: int, state: State) -> float | None:
+        """Return what k lacks until no mode is unstable; None if that is not known."""
+        if factors.failure or not 0 < modes <= self._rule.several:
+            return None
+        side = state - self._newton.solid.undeformed
+        found = buckling_modes(factors, self._newton.mass, modes, side)
+        return -found[0].stiffness if found else None
 
     def _went_down(self, here: _Place, there: _Place, work: float) -> bool:
         """Whether the energy fell by what the viscosity has taken at least; NaN did not."""

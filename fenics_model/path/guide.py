@@ -3,13 +3,14 @@
 A shape of the guide, made a state of the solid, differs from the solid's equilibrium by a defect.
 The defect at the next parameter is extrapolated from the last three and added to the guide's state.
 This is the initial guess of Newton's method. If the solution is far from the guess, it is on
-another branch, and the step is rejected. If there is no solution, the body flows from the guess to
-a stable equilibrium; if it finds none, the step is rejected. From a guess with elements inside out
-no flow can begin. Then it flows from the last equilibrium, at the loads of the next.
+another branch and does not count. If there is no other, the shape alone is the next guess: where
+one of the two bodies has changed its branch, the defects before say nothing. If that fails, too,
+the body flows to a stable equilibrium from the guess of least energy, or from the last equilibrium
+at the loads of the next if that is lower. If it finds none, the step is rejected.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from bilayer.results.starting import LONGEST_WAY
 from fenics_model.branches.gradient_flow import FlowOutcome, GradientFlow
 from fenics_model.path.predictor import MEMORY, extrapolation_weights
 from fenics_model.solid.state import State
+from fenics_model.solve.corrections import CorrectionRule
 from fenics_model.solve.effort import Effort
 from fenics_model.solve.newton import Newton, NewtonOutcome
 
@@ -44,6 +46,8 @@ class GuideRule:
         Change of the prestretch up to which a shape is in reach.
     iteration_limit : int
         New tangents after which a solution has failed. Load steps instead would take more.
+    corrections : CorrectionRule
+        Of a solution. A first correction that stretches the sheet needs a new tangent at once.
     flow_steps : int
         Time steps of a flow from a shape.
     further_flows : int
@@ -56,6 +60,9 @@ class GuideRule:
     far_in_contact: float = 1.5
     longest_way: float = LONGEST_WAY
     iteration_limit: int = 6
+    corrections: CorrectionRule = field(
+        default_factory=lambda: CorrectionRule(fewest=1, fruitless=0.3)
+    )
     flow_steps: int = 100
     further_flows: int = 3
 
@@ -97,6 +104,7 @@ class Guide:
         self._states: dict[float, State] = {}
         self._unfinished: tuple[float, State] | None = None
         self.defects: list[tuple[float, Array]] = []
+        self._is_as_predicted = False
         self.is_trusted = True
         self.rejected: list[tuple[float, str]] = []
 
@@ -146,47 +154,60 @@ class Guide:
         reference : float
             Norm of the residual that is to be balanced, N.
         """
-        guess = self._state_at(there) + self._defect_at(there)
-        outcome, effort = None, Effort(guided_steps=1)
-        near = self._rule.far_from_balance * reference
-        if self._newton.residual_norm(guess) < near:  # else far, or no number
-            outcome = self._solve(guess, accepted)
-            effort += Effort(outcome.iterations)
-        if outcome is None or not outcome.converged:
-            relaxed, iterations = self._relax(there, guess, reference)
+        guesses, effort = self._guesses(there), Effort(guided_steps=1)
+        starts = []
+        for guess in guesses:
+            outcome, start, iterations = self._solve_from(guess, accepted, reference)
             effort += Effort(iterations)
-            guess, outcome = relaxed.state, relaxed
-            if relaxed.converged:
-                outcome = self._solve(guess, accepted)
-                effort += Effort(outcome.iterations)
-        self._guess = guess
-        if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
-            outcome = replace(outcome, converged=False, reason="another branch")
-        if outcome.converged:
-            return outcome, effort
-        if not np.isfinite(self._newton.residual_norm(guess)):
-            self._guess = before  # the shape has folds in which elements are inside out
+            if outcome.converged and self._is_far_from_guess(before, guess, outcome.state):
+                outcome = replace(outcome, converged=False, reason="another branch")
+            starts.append(start)
+            if outcome.converged:
+                self._guess, self._is_as_predicted = start, guess is guesses[0]
+                return outcome, effort
+        clear = [start for start in starts if not self._newton.passes_through(start)]
+        self._guess = self._flow.lowest([*(clear or starts), before])
         flowed = self.flow_from_shape(there, accepted, reference, outcome.reason)
         effort += flowed.effort
         return (outcome if flowed.equilibrium is None else flowed.equilibrium), effort
 
-    def _relax(self, there: float, guess: State, reference: float) -> tuple[NewtonOutcome, int]:
-        """Return a guess relaxed with its surface held, and the iterations that this took.
-
-        If that fails, the defect is no good, and the shape alone is relaxed. If that fails, too,
-        the shape is returned as it is, from which Newton's method need not be tried.
-        """
-        tolerance = self._rule.relaxed_residual * reference
-        relaxed = self._relax_guess(guess, tolerance)
-        if relaxed.converged:
-            return relaxed, relaxed.iterations
+    def _guesses(self, there: float) -> list[State]:
+        """Return the shape with the defect that is expected of it, and the shape alone."""
         shape = self._state_at(there)
-        alone = self._relax_guess(shape, tolerance)
-        iterations = relaxed.iterations + alone.iterations
-        return (alone if alone.converged else replace(alone, state=shape)), iterations
+        return [shape + self._defect_at(there), shape] if self.defects else [shape]
+
+    def _solve_from(
+        self, guess: State, accepted: float, reference: float
+    ) -> tuple[NewtonOutcome, State, int]:
+        """Solve from a guess, relaxed if need be with its surface held.
+
+        Returns
+        -------
+        outcome : NewtonOutcome
+            Of the solution.
+        start : State
+            Where it began: the guess, relaxed if that went well.
+        iterations : int
+            What all of it took.
+        """
+        iterations = 0
+        if self._newton.residual_norm(guess) < self._rule.far_from_balance * reference:
+            outcome = self._solve(guess, accepted)
+            iterations += outcome.iterations
+            if outcome.converged:
+                return outcome, guess, iterations
+        relaxed = self._relax_guess(guess, self._rule.relaxed_residual * reference)
+        iterations += relaxed.iterations
+        if not relaxed.converged:
+            return relaxed, guess, iterations
+        outcome = self._solve(relaxed.state, accepted)
+        return outcome, relaxed.state, iterations + outcome.iterations
 
     def _solve(self, guess: State, accepted: float) -> NewtonOutcome:
-        return self._newton.solve(guess, accepted, iteration_limit=self._rule.iteration_limit)
+        rule = self._rule
+        return self._newton.solve(
+            guess, accepted, iteration_limit=rule.iteration_limit, rule=rule.corrections
+        )
 
     def flow_from_shape(
         self, there: float, accepted: float, reference: float, reason: str
@@ -195,6 +216,7 @@ class Guide:
 
         The shape is rejected if that fails, too, for the reason why the step did.
         """
+        self._is_as_predicted = False
         if self._newton.passes_through(self._guess):  # a flow from there would stay so
             self.reject_shape(there, reason)
             return FlowOutcome(self._guess, None, Effort())
@@ -231,10 +253,14 @@ class Guide:
         self.rejected.append((there, reason))
 
     def record_defect(self, parameter: float, state: State) -> None:
-        """Record the defect of the shape at a parameter, if there is one."""
+        """Record the defect of the shape at a parameter, if there is one.
+
+        If it is not what those before led to expect, the next one is not expected of them either.
+        """
         if parameter in self._shapes:
             defect = state - self._state_at(parameter)
-            self.defects = [*self.defects[-MEMORY + 1 :], (parameter, defect)]
+            before = self.defects[-MEMORY + 1 :] if self._is_as_predicted else []
+            self.defects, self._is_as_predicted = [*before, (parameter, defect)], False
             self.is_trusted = True
 
     def _state_at(self, parameter: float) -> State:

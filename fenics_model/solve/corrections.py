@@ -45,6 +45,9 @@ class CorrectionRule:
         Corrections with one factor.
     halvings : int
         How often a step is halved at which the residual is no number.
+    fruitless : float
+        What a second or later tangent may leave of the residual; beyond it, the solution has
+        failed.
     growth_limit : float
         Over the first residual; beyond it, the solution has failed.
     """
@@ -56,6 +59,7 @@ class CorrectionRule:
     fewest: int = 2
     most: int = 40
     halvings: int = 8
+    fruitless: float = math.inf
     growth_limit: float = 1e10
 
 
@@ -131,6 +135,10 @@ class Progress:
     ...     slow.note(0.9**k)
     >>> quick.is_slow, slow.is_slow
     (False, True)
+    >>> strict = Progress(CorrectionRule(fruitless=0.3), 1.0, 1e-6)
+    >>> strict.note(0.4)
+    >>> strict.is_fruitless
+    True
     """
 
     def __init__(self, rule: CorrectionRule, first: float, accepted: float) -> None:
@@ -139,6 +147,11 @@ class Progress:
     def note(self, norm: float) -> None:
         """Take note of the norm after one more correction."""
         self._norms.append(norm)
+
+    @property
+    def is_fruitless(self) -> bool:
+        """Whether the factor has left more of the residual than is accepted of a later one."""
+        return self._norms[-1] > self._rule.fruitless * self._norms[0]
 
     @property
     def is_slow(self) -> bool:

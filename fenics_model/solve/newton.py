@@ -235,7 +235,7 @@ class Newton:
         rule = self._rule if rule is None else rule
         if factors is None:
             self._take_factors_back()
-        self.solid.tangent.reset_extrapolation()
+            self.solid.tangent.reset_extrapolation()  # else from where these were made
         with signals_put_off() as signals, self.stopwatch.time_solution():
             limit = self._iteration_limit if iteration_limit is None else iteration_limit
             begin = Iterate.begin(self, guess)
@@ -252,6 +252,7 @@ class Newton:
     ) -> NewtonOutcome:
         """Correct, with a new factor when one is due."""
         iterations, corrections, length, reason = 0, 0, 0.0, ""
+        tangents = int(factors is not None)
         bound = rule.growth_limit * here.norm
         mixing = AndersonMixing(self.layout.dot, rule.history)
         progress = Progress(rule, here.norm, tolerance)
@@ -262,6 +263,10 @@ class Newton:
                 if iterations == limit:
                     reason = "too many iterations"
                     break
+                if tangents > 1 and progress.is_fruitless:
+                    reason = "a new tangent does not help"
+                    break
+                tangents += 1
                 iterations += 1
                 self._tell(self._describe(iterations, here.norm / tolerance))
                 factors = self._factorise(here.state)

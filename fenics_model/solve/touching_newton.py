@@ -162,22 +162,20 @@ class TouchingNewton(Newton):
     ) -> NewtonOutcome:
         """See `Newton`. The body sets out from the last solution, or from where it was told.
 
-        With no new tangent allowed it sets out from the guess, and stops short of what its skin
-        would pass through.
+        With factors it sets out from the guess, where they were made, and stops short of what its
+        skin would pass through.
         """
-        if iteration_limit == 0:
+        if factors is not None:
             return self._stop_short(guess, super().solve(
-                guess, tolerance, factors, iteration_limit=0, rule=rule
+                guess, tolerance, factors, iteration_limit=iteration_limit, rule=rule
             ))  # fmt: skip
         springs, accepted = None, tolerance
         if self.touches(self._here):
-            springs, factors = LinearisedBarrierForce(self._contact, self._here), None
+            springs = LinearisedBarrierForce(self._contact, self._here)
             pressing = self.layout.norm(springs.force(self._here))
             accepted = max(tolerance, self._limits.rough * pressing)
         with self._with_force(springs):
-            found = super().solve(
-                guess, accepted, factors, iteration_limit=iteration_limit, rule=rule
-            )
+            found = super().solve(guess, accepted, iteration_limit=iteration_limit, rule=rule)
         if found.converged and not (springs is None and self._is_clear_to(found.state)):
             found = self._solve_apart(found, tolerance)
         if found.converged:

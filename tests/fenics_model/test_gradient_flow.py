@@ -10,6 +10,7 @@ from verification.solid_problem import push
 from bilayer.errors import ComputationError
 from bilayer.solvers.path import follow_path
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
+from fenics_model.branches.stability import unstable_modes
 from fenics_model.path.continuation import Continuation, Tolerances
 from fenics_model.path.predictor import Predictor
 from fenics_model.path.step_control import StepControl
@@ -73,15 +74,39 @@ def test_without_the_flow_the_path_ends_at_the_limit_point(plate):
     assert last.point.effort.iterations > 0
 
 
-def test_a_start_ahead_saves_steps_on_the_way_to_the_same_place(plate):
+def test_a_second_tangent_leads_farther_on_the_way_to_the_same_place(plate):
     """From flat the plate bends far along a curve."""
 
-    def flow(ahead):
-        rule = FlowRule(ahead=ahead)
+    def flow(tangents):
+        rule = FlowRule(tangents=tangents)
         flow = GradientFlow(plate.newton, first_viscosity=1e12, rule=rule)
         start = plate.flat + plate.lift(1e-2)
         return flow.flow_to_equilibrium(start, plate.tolerance, plate.reference)
 
-    ahead, level = flow(2.0), flow(0.0)
-    assert ahead.state.values == pytest.approx(level.state.values, abs=1e-9)
-    assert ahead.effort.flow_steps < level.effort.flow_steps
+    many, one = flow(4), flow(1)
+    assert many.state.values == pytest.approx(one.state.values, abs=1e-9)
+    assert many.effort.flow_steps < one.effort.flow_steps
+
+
+def test_the_missing_viscosity_of_an_unstable_tangent_is_found(plate):
+    """With a little more than that no mode is unstable, with a little less one still is."""
+    flow = GradientFlow(plate.newton, first_viscosity=1e12)
+    with plate.newton.factorise(plate.flat) as factors:
+        modes = unstable_modes(factors, plate.solid.number_of_pressures)
+        missing = flow.missing_viscosity(factors, modes, plate.flat + plate.lift(1e-2))
+    assert modes > 0
+    assert missing is not None
+    for share, is_stable in ((0.99, False), (1.01, True)):
+        with (
+            plate.newton.slow_down(share * missing, plate.flat),
+            plate.newton.factorise(plate.flat) as factors,
+        ):
+            left = unstable_modes(factors, plate.solid.number_of_pressures)
+        assert (left == 0) == is_stable
+
+
+def test_the_lowest_state_is_found(plate):
+    flow = GradientFlow(plate.newton, first_viscosity=1e12)
+    states = [plate.flat + plate.lift(height) for height in (1e-3, 1e-4, 1e-2)]
+    energies = [plate.energy(state) for state in states]
+    assert flow.lowest(states) is states[energies.index(min(energies))]

@@ -113,6 +113,18 @@ def test_from_a_shape_on_another_branch_the_disc_flows(shell, stepped, mesh):
 
 
 @needs_dolfinx
+def test_behind_a_shape_on_another_branch_the_next_one_leads_by_itself(shell, stepped, mesh):
+    """Its defect would make the next guess a mirror image of what is wanted."""
+    mirrored = shell.copy(deep=True)
+    mirrored["position"][0] *= [1, 1, -1]
+    led = solve(COARSE.with_milestones([1.03, 1.06]), "fenics", mesh=mesh, start=mirrored)
+    assert led["position"].values == pytest.approx(stepped["position"].values, abs=1e-9)
+    first, second = led["stabilised_steps"].values
+    assert first > 0 == second
+    assert led["iterations"].values[1] <= 12
+
+
+@needs_dolfinx
 def test_where_a_shape_is_inside_out_the_disc_flows_from_where_it_is(shell, stepped, mesh):
     """No state can be made of crumpled paper; nothing is left for load steps."""
     crumpled = shell.copy(deep=True)
