@@ -49,7 +49,7 @@ class FlowRule:
     growth_after_cut : float
         Largest factor of the time step after a failure.
     recovery, quick_recovery : float
-        Factors by which that grows with each success, and with an easy one.
+        Factors by which that grows with each success, and with one that is not hard.
     cut, cut_several, cut_many : float
         Factors by which k grows after a failure, and after one with more than `several` or `many`
         unstable modes.
@@ -76,11 +76,11 @@ class FlowRule:
 
     step_limit: int = 100
     tangents: int = 4
-    easy: int = 2
-    hard: int = 4
-    easy_growth: float = 10.0
-    growth: float = 4.0
-    hard_growth: float = 1.5
+    easy: int = 1
+    hard: int = 3
+    easy_growth: float = 30.0
+    growth: float = 10.0
+    hard_growth: float = 3.0
     growth_after_cut: float = 1.5
     recovery: float = 1.25
     quick_recovery: float = 4.0
@@ -91,8 +91,8 @@ class FlowRule:
     many: int = 20
     beyond: float = 2.0
     stiffest: float = 1e8
-    slow: float = 0.1
-    shorter: float = 0.5
+    slow: float = 0.2
+    shorter: float = 0.7
     retry: float = 10.0
     step_accuracy: float = 0.1
     energy_noise: float = 1e-9
@@ -155,9 +155,9 @@ class ViscosityControl:
     Examples
     --------
     >>> control = ViscosityControl(FlowRule(), k=1.0, last=1.0)
-    >>> control.after_success(tangents=3, is_nearly_at_rest=False).k
-    0.25
-    >>> control.after_success(tangents=3, is_nearly_at_rest=True).k
+    >>> control.after_success(tangents=2, is_nearly_at_rest=False).k
+    0.1
+    >>> control.after_success(tangents=2, is_nearly_at_rest=True).k
     0.0
     >>> control.after_failure(modes=0).k
     4.0
@@ -177,8 +177,8 @@ class ViscosityControl:
             return self
         less = self.k / min(self.rule.growth_after(tangents), self.most_growth)
         is_tried = is_nearly_at_rest and less < self.least
-        is_easy = tangents <= self.rule.easy
-        growth = self.most_growth * (self.rule.quick_recovery if is_easy else self.rule.recovery)
+        is_hard = tangents >= self.rule.hard
+        growth = self.most_growth * (self.rule.recovery if is_hard else self.rule.quick_recovery)
         return replace(self, k=0.0 if is_tried else less, last=less, most_growth=growth)
 
     def after_part(self, is_nearer: bool) -> "ViscosityControl":

@@ -47,7 +47,7 @@ class GuideRule:
     iteration_limit : int
         New tangents after which a solution has failed. Load steps instead would take more.
     corrections : CorrectionRule
-        Of a solution. A first correction that stretches the sheet needs a new tangent at once.
+        Of a solution.
     flow_steps : int
         Time steps of a flow from a shape.
     further_flows : int
@@ -59,10 +59,8 @@ class GuideRule:
     far_from_guess: float = 0.5
     far_in_contact: float = 1.5
     longest_way: float = LONGEST_WAY
-    iteration_limit: int = 6
-    corrections: CorrectionRule = field(
-        default_factory=lambda: CorrectionRule(fewest=1, fruitless=0.3)
-    )
+    iteration_limit: int = 5
+    corrections: CorrectionRule = field(default_factory=lambda: CorrectionRule(fruitless=1.0))
     flow_steps: int = 100
     further_flows: int = 3
 
