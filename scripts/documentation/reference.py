@@ -31,10 +31,13 @@ def _changes() -> str:
 def _contributing() -> str:
     """Return the page for contributors as a section, its links as seen from docs/."""
     text = (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    for seen, there in (("](docs/", "]("), ("](LICENSE)", "](../LICENSE)")):
+    for seen, there in (
+        ("](docs/", "]("),
+        ("](CHANGELOG.md)", "](changelog.md)"),
+        ("[MIT licence](LICENSE)", "[MIT licence](../LICENSE)"),
+        ("[code of conduct](CODE_OF_CONDUCT.md)", "code of conduct (`CODE_OF_CONDUCT.md`)"),
+    ):
         text = text.replace(seen, there)
-    text = text.replace("](CODE_OF_CONDUCT.md)", "](../CODE_OF_CONDUCT.md)")
-    text = text.replace("](CHANGELOG.md)", "](changelog.md)")
     return re.sub("^#", "##", text, flags=re.MULTILINE)
 
 

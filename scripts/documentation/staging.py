@@ -7,7 +7,7 @@ from pathlib import Path
 
 CHECKOUT = Path(__file__).parents[2]
 COPIED = ("docs", "examples")
-LINKED = ("CHANGELOG.md", "CODE_OF_CONDUCT.md", "LICENSE", "docker", "fenics_model", "results")
+LINKED = ("CHANGELOG.md", "LICENSE", "docker", "fenics_model", "results")
 """What the pages link beside themselves."""
 MATHJAX = Path("/usr/share/javascript/mathjax")
 MATHJAX_PARTS = (
