@@ -20,6 +20,11 @@ PRINTED = {  # by prestretch: quality, radius mm, rmse mm, height mm, spans mm, 
     },
     "fenics_2026-11-22.nc": {1.02: (0.790, 130.94, 0.54, 6.95, 77.69, 76.59, 0.850)},
 }
+OF_1_0 = {  # height of the last milestone as printed, mm; a variable and its values there
+    "loads_1.0.0.nc": (2.72, "response_poke", (0.0122827, -0.0122827, 0.0)),
+    "time_1.0.0.nc": (18.90, "time", (10.0, 60.0, 300.0)),
+    "contact_1.0.0.nc": (30.09, "contact_force", (0.0, 0.0298655)),
+}
 EACH = pytest.mark.parametrize("name", PRINTED)
 
 
@@ -55,6 +60,20 @@ def test_an_old_result_can_be_used(name, tmp_path, monkeypatch, capsys):
     assert main(["compare", path, path]) == 0
     assert main(["plot", path, "-o", "shape.png"]) == 0
     assert main(["convert", path, "-o", "shape.vtu"]) == 0
+
+
+@pytest.mark.parametrize("name", OF_1_0)
+def test_a_result_of_version_1_0_has_its_numbers_and_can_be_used(name, tmp_path, capsys):
+    path = FOLDER / name
+    result = open_result(path)
+    height, variable, values = OF_1_0[name]
+    assert result.attrs["versions"].startswith("bilayer-shells 1.0.0")
+    assert 1e3 * float(result["height"][-1]) == pytest.approx(height, abs=6e-3)
+    assert result[variable].values[-len(values) :] == pytest.approx(values, rel=1e-5, abs=1e-9)
+    assert main(["info", str(path), "--json"]) == 0
+    assert '"milestones"' in capsys.readouterr().out
+    assert main(["plot", str(path), "-o", str(tmp_path / "shape.png")]) == 0
+    assert main(["view", str(path), "-o", str(tmp_path / "shape.html"), "--no-open"]) == 0
 
 
 @EACH

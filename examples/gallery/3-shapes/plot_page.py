@@ -34,7 +34,7 @@ assert "http" not in page.text.replace("http://www.w3.org", "")  # it loads noth
 # %%
 # This is the page itself. Drag it, and move the slider:
 
-page  # noqa: B018
+page
 
 # %%
 # The same shapes as a picture.
