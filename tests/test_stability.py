@@ -17,6 +17,12 @@ from bilayer.cli.verbs import VERBS, load_verb
 from bilayer.results.conformity import LAYOUTS
 from bilayer.results.schema import REQUIRED
 from bilayer.solvers.registry import SOLVERS, solver_named
+from bilayer.specimen.long_form import LAYER, LONG_TABLES
+from bilayer.specimen.outline import OUTLINES
+from bilayer.specimen.pattern_kinds import PATTERNS
+from bilayer.specimen.short_form import short_tables
+from bilayer.specimen.units import UNITS
+from bilayer.study.plan import KEYS
 
 LIST = Path(__file__).parent / "bilayer/old_files/stable_1.0.0.json"
 
@@ -55,6 +61,14 @@ def schema():
     return {"variables": variables, "attributes": list(REQUIRED["attribute"])}
 
 
+def keys():
+    """Return the keys of each table of specimen and study files, and the names that they take."""
+    tables = {f"short {name}": known for name, known in short_tables().items()}
+    tables |= {f"long {name}": known for name, known in LONG_TABLES.items()}
+    tables |= {"layer": LAYER, "outline": OUTLINES, "pattern": PATTERNS, "study": KEYS}
+    return {name: sorted(map(str, known)) for name, known in tables.items()}
+
+
 def test_python_names_and_their_arguments_stay(stable):
     gone = {
         name: [each for each in arguments if each not in keywords_of(name)]
@@ -78,6 +92,13 @@ def test_settings_stay(solver, stable):
         assert not set(names) - set(now[model])
 
 
+def test_keys_of_files_and_their_units_stay(stable):
+    now = keys()
+    for table, names in stable["keys"].items():
+        assert not set(names) - set(now[table]), table
+    assert stable["units"].items() <= UNITS.items()
+
+
 def test_the_schema_stays(stable):
     now = schema()
     assert not set(stable["schema"]["attributes"]) - set(now["attributes"])
@@ -92,6 +113,8 @@ def everything():
         "verbs": {verb: options_of(verb) for verb in VERBS},
         "settings": {solver: settings_of(solver) for solver in SOLVERS},
         "schema": schema(),
+        "keys": keys(),
+        "units": UNITS,
     }
 
 
