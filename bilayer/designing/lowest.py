@@ -23,6 +23,8 @@ from bilayer.runtime.progress import Progress
 from bilayer.solvers.registry import settings_class, solve
 
 STATES, LOWEST = "states.nc", "lowest.nc"
+SAME_ENERGY = 1e-4
+"""Relative difference of two shapes by finite elements that are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,21 +55,29 @@ class Lowest:
     @property
     def is_checked_shape(self) -> bool:
         """Whether the checked shape is the lowest that is known, by finite elements if asked."""
-        return self.below == 0 or self.below_by_elements >= 0
+        return self.below == 0 or self.below_by_elements > -SAME_ENERGY
 
     @property
     def words(self) -> str:
         """Description for a report, without the distance."""
         search = f"{self.starts} starts of the shell lead to {self.states} stable shapes"
-        if np.isnan(self.below):
-            return f"{search}; the checked shape leads to none of them."
         if self.below == 0:
             return f"{search}, and this is the lowest."
-        lower = f"{search}. By the shell another one has {-self.below:.2%} less energy"
-        if np.isnan(self.below_by_elements):
-            return f"{lower}; the finite-element model finds no shape there."
-        how = "more" if self.below_by_elements >= 0 else "less"
-        return f"{lower}, by the finite-element model {abs(self.below_by_elements):.2%} {how}."
+        if np.isnan(self.below):
+            return f"{search}; the checked shape leads to none of them. {self._by_elements}"
+        lower = f"By the shell another one has {-self.below:.2%} less energy."
+        return f"{search}. {lower} {self._by_elements}"
+
+    @property
+    def _by_elements(self) -> str:
+        """What the finite-element model says of the lowest of the shell's."""
+        ratio = self.below_by_elements
+        begin = "From the lowest of them the finite-element model comes to"
+        if np.isnan(ratio):
+            return f"{begin} no shape."
+        if abs(ratio) <= SAME_ENERGY:
+            return f"{begin} the checked shape."
+        return f"{begin} a shape of {abs(ratio):.2%} {'more' if ratio > 0 else 'less'} energy."
 
 
 def look_for_lowest(
@@ -99,12 +109,10 @@ def look_for_lowest(
     except ComputationError:
         return Lowest(starts, 0, np.nan)
     count, place = found.sizes["prestretch"], own_state(found)
-    if place == NOWHERE:
-        return Lowest(starts, count, np.nan)
     energy = found["energy"].sum("term").values
     if place == 0:
         return Lowest(starts, count, 0.0)
-    below = float(energy[0] / energy[place] - 1)
+    below = np.nan if place == NOWHERE else float(energy[0] / energy[place] - 1)
     there = _by_elements(task, found.isel(prestretch=[0]), folder / LOWEST, progress)
     if there is None:
         return Lowest(starts, count, below)

@@ -162,5 +162,8 @@ def test_a_lower_state_than_the_checked_one_is_told(looked_for, tmp_path):
     assert (found.below_by_elements < 0) is not found.is_checked_shape
     lower = replace(found, below_by_elements=-0.004)
     text = report_text(replace(outcome, lowest=lower), [])
-    assert "by the finite-element model 0.40% less" in text
+    assert "a shape of 0.40% less energy" in text
+    same = replace(found, below=float("nan"), below_by_elements=-1e-9)
+    assert same.is_checked_shape
+    assert same.words.endswith("comes to the checked shape.")
     assert f"the lower state is {1e3 * found.lowest.distance.rms:.4g} mm from the target" in text

@@ -197,3 +197,12 @@ def test_the_example_is_a_design():
     task = read_design(Path(__file__).parents[3] / "examples" / "design_hemisphere.toml")
     assert len(task.variables.names) == 8
     assert task.widths.margins(task.specimen).min() > 0
+
+
+def test_the_example_of_a_field_begins_with_a_half_everywhere():
+    task = read_design(Path(__file__).parents[3] / "examples" / "design_field.toml")
+    shares = [name for name in task.variables.names if name.startswith("kirigami.share.")]
+    assert len(shares) == 21
+    assert [each.specimen.layer("kirigami").pattern.sharpness for each in task.sharpened()] == [
+        0.0, 6.0, 20.0,
+    ]  # fmt: skip
