@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import shapely
@@ -87,6 +88,8 @@ def _shades(path: Path) -> NDArray[np.float64]:
                     f"image = {str(path)!r}: has {width} x {height} pixels, expected at most "
                     f"{MOST_PIXELS:.0e} in all"
                 )
+            if opened.mode.startswith(("I", "F")):
+                return _deep_shades(path, opened)
             paper = image.new("RGBA", opened.size, "white")
             paper.alpha_composite(opened.convert("RGBA"))
             return np.asarray(paper.convert("L"), dtype=float) / 255
@@ -95,3 +98,15 @@ def _shades(path: Path) -> NDArray[np.float64]:
     except (OSError, ValueError, SyntaxError, image.DecompressionBombError) as error:
         reason = getattr(error, "strerror", None) or "not an image"
         raise InputError(f"image = {str(path)!r}: cannot be read ({reason})") from error
+
+
+def _deep_shades(path: Path, opened: Any) -> NDArray[np.float64]:
+    """Return the grey values of an image of more than 8 bits, which Pillow would cut off at 255."""
+    white = 1.0 if opened.mode.startswith("F") else 65535.0
+    values = np.asarray(opened, dtype=float)
+    if not (values.min() >= 0 and values.max() <= white):
+        raise InputError(
+            f"image = {str(path)!r}: has values from {values.min():g} to {values.max():g}, expected "
+            f"from 0 (black) to {white:g} (white)"
+        )
+    return np.asarray(values / white)

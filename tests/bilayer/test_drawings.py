@@ -12,6 +12,7 @@ from sheets import drawn_sheet
 
 import bilayer
 from bilayer.drawings.contours import even_odd
+from bilayer.drawings.image import ImageSource
 from bilayer.drawings.source import DrawingSource
 from bilayer.errors import InputError
 
@@ -588,6 +589,29 @@ def test_what_is_no_drawing_is_refused(tmp_path: Path, content: bytes, ending: s
     path.write_bytes(content)
     with pytest.raises(InputError, match="drawing"):
         DrawingSource(path, unit=1e-3).contours()
+
+
+@pytest.mark.parametrize(("kind", "white"), [("u1", 255), ("u2", 65535), ("f4", 1), ("i4", 65535)])
+def test_images_of_any_depth_have_the_same_shades(tmp_path: Path, kind: str, white: float) -> None:
+    """Pillow cuts off what is deeper than 8 bits at 255 when it is asked for another mode."""
+    image = pytest.importorskip("PIL.Image")
+    y, x = np.mgrid[:60, :80]
+    dark = (x - 40) ** 2 + (y - 30) ** 2 < 20**2
+    name = tmp_path / f"{kind}.tif"
+    image.fromarray(np.where(dark, 0.2 * white, 0.9 * white).astype(kind)).save(name)
+    (ring,), dropped = ImageSource(name, 0.08).contours()
+    assert dropped == 0
+    assert shapely.Polygon(ring).area == pytest.approx(1e-6 * dark.sum(), rel=0.01)
+
+
+def test_an_image_of_other_numbers_than_shades_is_refused(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    heights = np.linspace(-3.0, 5.0, 48).reshape(6, 8).astype("f4")
+    image.fromarray(heights).save(tmp_path / "heights.tif")
+    with pytest.raises(
+        InputError, match=r"heights\.tif.*from -3 to 5, expected from 0 \(black\) to 1"
+    ):
+        ImageSource(tmp_path / "heights.tif", 0.08).contours()
 
 
 def test_an_image_is_contoured(tmp_path: Path) -> None:
