@@ -106,7 +106,7 @@ def _deep_shades(path: Path, opened: Any) -> NDArray[np.float64]:
     values = np.asarray(opened, dtype=float)
     if not (values.min() >= 0 and values.max() <= white):
         raise InputError(
-            f"image = {str(path)!r}: has values from {values.min():g} to {values.max():g}, expected "
-            f"from 0 (black) to {white:g} (white)"
+            f"image = {str(path)!r}: has values from {values.min():g} to {values.max():g}, "
+            f"expected from 0 (black) to {white:g} (white)"
         )
     return np.asarray(values / white)

@@ -608,9 +608,7 @@ def test_an_image_of_other_numbers_than_shades_is_refused(tmp_path: Path) -> Non
     image = pytest.importorskip("PIL.Image")
     heights = np.linspace(-3.0, 5.0, 48).reshape(6, 8).astype("f4")
     image.fromarray(heights).save(tmp_path / "heights.tif")
-    with pytest.raises(
-        InputError, match=r"heights\.tif.*from -3 to 5, expected from 0 \(black\) to 1"
-    ):
+    with pytest.raises(InputError, match=r"heights\.tif.*from -3 to 5, expected from 0 \("):
         ImageSource(tmp_path / "heights.tif", 0.08).contours()
 
 
