@@ -150,7 +150,7 @@ def _lowest(outcome: DesignOutcome) -> Iterable[str]:
     yield found.words
     if found.lowest is not None and not found.is_checked_shape:
         yield (
-            "So the design is reachable only along its way from flat: the lower state is "
+            "So the checked shape is reachable only along its way from flat: the lower state is "
             f"{_away(found.lowest.distance.rms, diagonal)}."
         )
 
