@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from bilayer.errors import InputError
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.mesh.quartering import quartered
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import SAME_STRETCH, result_mesh
 from bilayer.results.table import stretches
@@ -57,7 +56,7 @@ class StartShapes:
 
     @classmethod
     def of(cls, start: xr.Dataset, mesh: PlanarMesh) -> "StartShapes":
-        """Return the shapes of a result, on the mesh itself or on that with triangles in four.
+        """Return the shapes of a result.
 
         Raises
         ------
@@ -65,18 +64,16 @@ class StartShapes:
             It is on another planar mesh, or reached no milestone.
         """
         start = along_milestones(start)
-        source = result_mesh(start)
-        if not (source.same_as(mesh) or source.same_as(quartered(mesh))):
+        if not result_mesh(start).same_as(mesh):
             raise InputError(
                 f"start: has {start.sizes['node']} nodes and {start.sizes['face']} triangles of "
                 f"its own, expected a result on the planar mesh of this run ({len(mesh.points)} "
-                "nodes), or with its triangles in four"
+                "nodes)"
             )
         reached = start["converged"].values == 1
         if not reached.any():
             raise InputError("start: has no converged milestone, expected at least one")
-        positions = start["position"].values[reached]
-        return cls(stretches(start)[reached], positions[:, : len(mesh.points)])
+        return cls(stretches(start)[reached], start["position"].values[reached])
 
     def take_shapes(self, begin: StretchPair, end: StretchPair) -> list[ShapeOnTheWay]:
         """Return the shapes on the way from one target to the next, in their order."""

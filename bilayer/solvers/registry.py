@@ -13,7 +13,6 @@ import xarray as xr
 
 from bilayer.errors import ComputationError, InputError, Interrupted
 from bilayer.mesh.planar import PlanarMesh
-from bilayer.mesh.quartering import quartered
 from bilayer.results.starting import Neighbour, with_waypoints
 from bilayer.runtime.progress import Progress, progress_asked
 from bilayer.runtime.termination import signals_put_off
@@ -31,11 +30,6 @@ STARTS = ("shell", "flat")
 """Starts by name: the shapes of the accurate shell as initial guesses, or the flat state."""
 SHARED = ("contact", "contact_range")
 """Settings that the shell which leads another solver has from it."""
-
-
-FEWEST_TRIANGLES = 1000
-"""Of the shell that leads another solver. On fewer it may settle in another of several soft shapes,
-and quadratic elements on the same mesh are about as good as it is with triangles in four."""
 
 
 def solver_named(name: str) -> Solver:
@@ -227,8 +221,6 @@ def _shell_settings(settings: Any) -> Any:
 def _shell_result(specimen: Specimen, settings: Any, mesh: PlanarMesh) -> xr.Dataset:
     """Return the accurate shell at the milestones and between, as far as it comes.
 
-    On a coarse mesh it cuts each triangle into four: see `FEWEST_TRIANGLES`.
-
     Raises
     ------
     ComputationError
@@ -239,7 +231,7 @@ def _shell_result(specimen: Specimen, settings: Any, mesh: PlanarMesh) -> xr.Dat
             solver_named("dshell"),
             with_waypoints(specimen),
             settings,
-            mesh=quartered(mesh) if len(mesh.triangles) < FEWEST_TRIANGLES else mesh,
+            mesh=mesh,
             measure_shape=leave_unmeasured,
         )
     except Interrupted as interrupted:  # its result is not that of the run

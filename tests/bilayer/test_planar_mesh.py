@@ -7,26 +7,12 @@ from grids import frame, grid_mesh, rectangle
 
 from bilayer import InputError, PlanarMesh, read_planar_mesh, write_planar_mesh
 from bilayer.mesh.files import read_mesh_file
-from bilayer.mesh.quartering import quartered
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
 def two_triangles():
     return PlanarMesh(SQUARE, [[0, 1, 2], [0, 2, 3]], [1, 0])
-
-
-def test_quarters_are_like_their_triangles_and_the_nodes_stay():
-    mesh = two_triangles()
-    fine = quartered(mesh)
-    assert fine.points[: len(mesh.points)].tolist() == mesh.points.tolist()
-    assert len(fine.points) == len(mesh.points) + len(mesh.edges)
-    assert fine.areas.tolist() == [0.125] * 8  # counterclockwise, too
-    assert fine.region.tolist() == [1, 0] * 4
-    middles = fine.points[fine.triangles].mean(axis=1)
-    above = middles[:, 1] > middles[:, 0]  # the second triangle's side of the diagonal
-    assert (fine.region == np.where(above, 0, 1)).all()
-    assert len(fine.boundary_edges) == 2 * len(mesh.boundary_edges)
 
 
 def test_edges_rim_and_areas_of_a_square():

@@ -14,7 +14,6 @@ from bilayer import (
     paper_specimen,
     solve,
 )
-from bilayer.mesh.quartering import quartered
 from bilayer.results.report import provenance
 from bilayer.results.start_shapes import StartShapes
 from bilayer.results.starting import LONGEST_WAY, with_waypoints
@@ -57,15 +56,6 @@ def test_shapes_are_found_at_and_between_targets(shell, mesh):
     (last,) = shapes.take_shapes((1.06, 1.06), (1.2, 1.2))
     assert last.remaining == pytest.approx(0.1)
     assert shapes.take_shapes((1.2, 1.2), (1.2, 1.3)) == []
-
-
-def test_a_start_with_triangles_in_four_is_taken_at_the_nodes(mesh):
-    fine = solve(COARSE.with_milestones([1.03]), "dshell", mesh=quartered(mesh))
-    shapes = StartShapes.of(fine, mesh)
-    assert shapes.positions.shape == (1, len(mesh.points), 3)
-    assert shapes.positions[0] == pytest.approx(fine["position"].values[0, : len(mesh.points)])
-    with pytest.raises(InputError, match="or with its triangles in four"):
-        StartShapes.of(fine, quartered(quartered(mesh)))
 
 
 def test_the_nearest_shape_stands_in(shell, mesh):
