@@ -342,7 +342,8 @@ class GradientFlow:
                 return _Step(modes, self.missing_viscosity(factors, modes, here.state))
             outcome = newton.solve(
                 here.state,
-                max(tolerance, rule.step_accuracy * here.residual) if k else tolerance,
+                # below the tolerance, too: a body that is hardly out of balance has to move on
+                rule.step_accuracy * here.residual if k else tolerance,
                 factors,
                 iteration_limit=rule.tangents - 1,
                 rule=rule.corrections,
