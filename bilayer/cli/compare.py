@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from bilayer.scan.cloud import Cloud
     from bilayer.scan.comparison import ScanMatch
     from bilayer.scan.profile import ProfileMatch
+    from bilayer.solvers.scan_fit import ScanFit, Target
 
 RESULT = ".nc"
 MAPS = WITH_LAYERS
@@ -114,7 +115,7 @@ def _compare_profile(options: argparse.Namespace) -> int:
         profile_table,
         read_profile,
     )
-    from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
+    from bilayer.solvers.scan_fit import scan_fit_report
 
     result, profile = open_result(options.result), read_profile(options.other, _unit(options))
     matches = compare_profile(result, profile)
@@ -124,14 +125,24 @@ def _compare_profile(options: argparse.Namespace) -> int:
         profile_table(matches),
     )
     if options.fit is not None:
-        found = fit_to_scan(result, profile, options.fit, trust=options.trust)
+        found = _fit(options, result, profile, record)
         best = cast("ProfileMatch", found.match)
-        record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": best.rms}
         text += f"\n\n{scan_fit_report(found)}"
     _tell(options, record, text)
     if options.output is not None:
         save_figure(draw_profile(profile, best), options.output)
     return 0
+
+
+def _fit(
+    options: argparse.Namespace, result: xr.Dataset, target: "Target", record: dict[str, Any]
+) -> "ScanFit":
+    """Return the fit of the parameter that is asked for, which the record tells, too."""
+    from bilayer.solvers.scan_fit import fit_to_scan
+
+    found = fit_to_scan(result, target, options.fit, trust=options.trust)
+    record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": found.match.rms}
+    return found
 
 
 def _unit(options: argparse.Namespace) -> float:
@@ -156,21 +167,18 @@ def _compare_scan(options: argparse.Namespace) -> int:
         size_doubt,
         ways_table,
     )
-    from bilayer.solvers.scan_fit import fit_to_scan, scan_fit_report
+    from bilayer.solvers.scan_fit import scan_fit_report
 
     result, cloud = open_result(options.result), read_cloud(options.other, _unit(options))
     doubt = size_doubt(result, cloud)
     if doubt:
         warn(doubt)
     matches = compare_scan(result, cloud)
-    best = matches[best_match(matches)]
     record: dict[str, Any] = scan_record(matches)
-    text = f"{scan_table(matches)}\n\n{ways_table(best)}"
+    text = f"{scan_table(matches)}\n\n{ways_table(matches[best_match(matches)])}"
     if options.fit is not None:
-        found = fit_to_scan(result, cloud, options.fit, trust=options.trust)
-        best = cast("ScanMatch", found.match)
-        result, matches = found.result, [best]
-        record["fit"] = {"parameter": found.parameter, "value": found.value, "rms": best.rms}
+        found = _fit(options, result, cloud, record)
+        result, matches = found.result, [cast("ScanMatch", found.match)]
         text += f"\n\n{scan_fit_report(found)}"
     _tell(options, record, text)
     if options.output is not None:

@@ -103,12 +103,35 @@ def check_design(
     by_steps = specimen.with_milestones(
         milestones_to(specimen.prestretch.milestones[-1], task.check.step)
     )
-    resume = file if file.exists() else None
+    result = solve_by_elements(task, by_steps, mesh, file, progress)
+    return None if result is None else checked_from(task, result, file)
+
+
+def solve_by_elements(
+    task: DesignTask,
+    specimen: Specimen,
+    mesh: PlanarMesh | None,
+    file: Path,
+    progress: Progress | None = None,
+    start: xr.Dataset | None = None,
+) -> xr.Dataset | None:
+    """Return the shapes of a design by the finite-element model; None if it misses the last one.
+
+    Parameters
+    ----------
+    task, mesh, file, progress
+        See `check_design`.
+    specimen : Specimen
+        The design, with its milestones.
+    start : Dataset, optional
+        A result whose shapes lead; see `bilayer.solve`.
+    """
     settings = settings_class(CHECK_SOLVER)(contact=task.check.contact)
     result = solve(
-        by_steps, CHECK_SOLVER, settings, mesh=mesh, progress=progress, output=file, resume=resume
-    )
-    return checked_from(task, result, file) if bool(result["converged"].values[-1]) else None
+        specimen, CHECK_SOLVER, settings, mesh=mesh, start=start, progress=progress,
+        output=file, resume=file if file.exists() else None,
+    )  # fmt: skip
+    return result if bool(result["converged"].values[-1]) else None
 
 
 def checked_from(task: DesignTask, result: xr.Dataset, file: Path) -> Checked:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bilayer.designing.checked import CHECK_SOLVER, Checked, checked_from
+from bilayer.designing.checked import Checked, checked_from, solve_by_elements
 from bilayer.designing.task import DESIGN_SOLVER, DesignTask
 from bilayer.errors import ComputationError
 from bilayer.landscape.catalogue import NOWHERE
@@ -20,7 +20,7 @@ from bilayer.results.files import open_result
 from bilayer.results.milestones import along_milestones
 from bilayer.results.schema import result_mesh
 from bilayer.runtime.progress import Progress
-from bilayer.solvers.registry import settings_class, solve
+from bilayer.solvers.registry import settings_class
 
 STATES, LOWEST = "states.nc", "lowest.nc"
 SAME_ENERGY = 1e-4
@@ -113,23 +113,14 @@ def look_for_lowest(
     if place == 0:
         return Lowest(starts, count, 0.0)
     below = np.nan if place == NOWHERE else float(energy[0] / energy[place] - 1)
-    there = _by_elements(task, found.isel(prestretch=[0]), folder / LOWEST, progress)
+    lowest = found.isel(prestretch=[0])
+    there = solve_by_elements(
+        task, at_row(lowest, -1), result_mesh(lowest), folder / LOWEST, progress, start=lowest
+    )
     if there is None:
         return Lowest(starts, count, below)
     ratio = _energy(there) / _energy(own) - 1
     return Lowest(starts, count, below, ratio, checked_from(task, there, folder / LOWEST))
-
-
-def _by_elements(
-    task: DesignTask, state: xr.Dataset, file: Path, progress: Progress | None
-) -> xr.Dataset | None:
-    """Return the finite-element model's shape near a state of the shell, None if there is none."""
-    found = solve(
-        at_row(state, -1), CHECK_SOLVER, settings_class(CHECK_SOLVER)(contact=task.check.contact),
-        mesh=result_mesh(state), start=state, progress=progress, output=file,
-        resume=file if file.exists() else None,
-    )  # fmt: skip
-    return found if bool(found["converged"].values[-1]) else None
 
 
 def _energy(result: xr.Dataset) -> float:

@@ -71,13 +71,12 @@ def warnings_of_thickness(specimen: Specimen) -> list[str]:
 
 def _shares(specimen: Specimen) -> list[str]:
     """Return a line for each layer with a pattern: how much of the sheet it lies on."""
-    return [
-        f"{layer.name + ' ':<12}lies on {specimen.region_of(layer.name).area / whole:.1%} of the "
-        "area"
-        for whole in [specimen.sheet.area]
+    shares = {
+        layer.name: specimen.region_of(layer.name).area / specimen.sheet.area
         for layer in specimen.layers
         if not layer.is_whole
-    ]
+    }
+    return [f"{name + ' ':<12}lies on {share:.1%} of the area" for name, share in shares.items()]
 
 
 def _weight(specimen: Specimen) -> list[str]:
