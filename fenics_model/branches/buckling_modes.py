@@ -2,10 +2,12 @@
 
 K is the mixed tangent and M the displacements' mass matrix, which is zero for the pressures: these
 follow each mode in balance, so the eigenvalues are those of the displacements alone. Shift and
-invert about 0 needs the factors of K, which the count of the unstable modes has made.
+invert about 0 needs the factors of K, which the count of the unstable modes has made. The inverse
+has an end of its spectrum for each sign, so the few negative eigenvalues are found soon, however
+many soft stable modes lie nearer to 0.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -17,13 +19,12 @@ from slepc4py import SLEPc
 from fenics_model.solve.factors import Factors
 from fenics_model.solve.layout import AssembledMatrix, Layout
 
-BESIDE = 4
-"""Eigenvalues that are asked for beyond the unstable ones: stable modes may lie nearer to 0."""
-
 ACCURACY = 1e-6
 """Relative, of an eigenvalue: a mode is a direction to leave in, no result."""
 
 Array = NDArray[np.float64]
+Key = Callable[[float], tuple[bool, float]]
+"""Of an eigenvalue; those of the least are sought."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +62,9 @@ def buckling_modes(
     Returns
     -------
     list of BucklingMode
-        Fewer than `count` if stable modes that are as soft hide the others.
+        Fewer than `count` if SLEPc does not find them all.
     """
-    pairs = _eigenpairs(factors, mass, side, count + BESIDE)
+    pairs = _eigenpairs(factors, mass, side, count, _unstable_first)
     unstable = [_mode(*pair, mass, factors.layout, side) for pair in pairs if pair[0] < 0]
     return sorted(unstable, key=lambda mode: mode.stiffness)
 
@@ -80,17 +81,26 @@ def least_stiffness(factors: Factors, mass: AssembledMatrix, start: Array) -> fl
     start : array of float
         A change of the state that the iteration starts with.
     """
-    return _eigenpairs(factors, mass, start, 1)[0][0]
+    return _eigenpairs(factors, mass, start, 1, _nearest_first)[0][0]
+
+
+def _nearest_first(value: float) -> tuple[bool, float]:
+    return False, abs(value)
+
+
+def _unstable_first(value: float) -> tuple[bool, float]:
+    """Return a key by which no soft stable mode hides an unstable one that is far from 0."""
+    return value >= 0, abs(value)
 
 
 def _eigenpairs(
-    factors: Factors, mass: AssembledMatrix, start: Array, wanted: int
+    factors: Factors, mass: AssembledMatrix, start: Array, wanted: int, key: Key
 ) -> list[tuple[float, Array]]:
-    """Return eigenvalues near 0 and their eigenvectors, those nearest to it first."""
+    """Return some eigenvalues and their eigenvectors, those of the least key first."""
     layout = factors.layout
     with (
         layout.vectors(start, None) as (first, vector),
-        _eigenvalue_solver(factors, mass, first, wanted) as solver,
+        _eigenvalue_solver(factors, mass, first, wanted, key) as solver,
     ):
         solver.solve()
         return [
@@ -101,9 +111,14 @@ def _eigenpairs(
 
 @contextmanager
 def _eigenvalue_solver(
-    factors: Factors, mass: AssembledMatrix, first: PETSc.Vec, wanted: int
+    factors: Factors, mass: AssembledMatrix, first: PETSc.Vec, wanted: int, key: Key
 ) -> Iterator[SLEPc.EPS]:
     """Set up SLEPc to invert with the factors meanwhile."""
+
+    def compare(one: complex, other: complex, _: object) -> int:
+        keys = key(one.real), key(other.real)
+        return int(keys[0] > keys[1]) - int(keys[0] < keys[1])
+
     linear, solver = factors.solver, SLEPc.EPS().create(factors.layout.comm)
     try:
         solver.setOperators(factors.matrix, mass.petsc)
@@ -112,7 +127,8 @@ def _eigenvalue_solver(
         transform.setType(SLEPc.ST.Type.SINVERT)
         transform.setKSP(linear)
         solver.setTarget(0.0)
-        solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+        solver.setWhichEigenpairs(SLEPc.EPS.Which.USER)
+        solver.setEigenvalueComparison(compare)
         solver.setDimensions(nev=wanted)
         solver.setTolerances(ACCURACY)
         solver.setInitialSpace([first])

@@ -10,7 +10,11 @@ from verification.buckled_plate import LENGTH, THICKNESS, BuckledPlate
 from verification.solid_problem import push
 
 from fenics_model.branches.branch_search import BranchSearch, SearchRule
-from fenics_model.branches.buckling_modes import buckling_modes, rms_displacement
+from fenics_model.branches.buckling_modes import (
+    buckling_modes,
+    least_stiffness,
+    rms_displacement,
+)
 from fenics_model.release.branch_fields import branch_dataset
 from fenics_model.solve.effort import Effort
 
@@ -58,6 +62,19 @@ def test_the_modes_are_as_many_as_the_inertia_counts(compression):
             factors.matrix.mult(along, force)
             left = layout.read(force) - inertia
         assert layout.norm(left) < 1e-5 * layout.norm(inertia)
+    plate.close()
+
+
+def test_soft_stable_modes_hide_no_unstable_one_that_is_far_from_zero():
+    """A spring of negative stiffness at one node of a plate whose bending modes are soft."""
+    plate = BuckledPlate(compression=1.1)
+    middle = int(np.argmax(plate.lift(1.0)))
+    plate.solid.nodal.grip([middle], -100.0, 0.0)
+    found, counted = find_modes(plate)
+    assert len(found) == counted == 1
+    with plate.newton.factorise(plate.flat) as factors:
+        soft = least_stiffness(factors, plate.newton.mass, plate.lift(1.0))
+    assert 0 < soft < -found[0].stiffness / 10
     plate.close()
 
 
