@@ -83,7 +83,7 @@ class FlowRule:
     hard_growth: float = 3.0
     growth_after_cut: float = 1.5
     recovery: float = 1.25
-    quick_recovery: float = 4.0
+    quick_recovery: float = 2.0
     cut: float = 4.0
     cut_several: float = 25.0
     cut_many: float = 625.0
