@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from bilayer.fitting.fit import fit
     from bilayer.fitting.measurement import Measurement, read_measurement
     from bilayer.landscape.barrier import barrier
+    from bilayer.landscape.confirm_barrier import confirm_barrier
     from bilayer.landscape.lower import look_below
     from bilayer.landscape.lowest import take_lowest
     from bilayer.landscape.search import states
@@ -125,6 +126,7 @@ _MODULES = {
     "bilayer.fitting.fit": ("fit",),
     "bilayer.fitting.measurement": ("Measurement", "read_measurement"),
     "bilayer.landscape.barrier": ("barrier",),
+    "bilayer.landscape.confirm_barrier": ("confirm_barrier",),
     "bilayer.landscape.lower": ("look_below",),
     "bilayer.landscape.lowest": ("take_lowest",),
     "bilayer.landscape.search": ("states",),

@@ -3,13 +3,17 @@
 import argparse
 from typing import Any
 
+import xarray as xr
+
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
-from bilayer.landscape.barrier import IMAGES, ROUNDS, barrier, describe_barrier
+from bilayer.landscape.barrier import IMAGES, MODES, ROUNDS, barrier, describe_barrier
+from bilayer.landscape.confirm_barrier import confirm_barrier, describe_confirmed
 from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank
 from bilayer.runtime.terminal import say
+from bilayer.solvers.registry import SOLVERS
 
 
 def add(verbs: Any) -> None:
@@ -32,6 +36,10 @@ def add(verbs: Any) -> None:
         "--rounds", type=int, default=ROUNDS, metavar="N",
         help=f"rounds of their relaxation, {ROUNDS} if left out",
     )  # fmt: skip
+    verb.add_argument(
+        "--confirm", choices=[name for name in SOLVERS if name != "dshell"],
+        help="the barrier by another solver, too, which starts from both states and the saddle",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -49,8 +57,19 @@ def run(options: argparse.Namespace) -> int:
             rounds=options.rounds,
             progress=progress,
         )
+    _give(way, describe_barrier(way, options.first, options.second), options)
+    if way.attrs[MODES] < 0:
+        return 1
+    if options.confirm is not None:
+        with progress_bar(options.confirm, shown=not options.quiet) as progress:
+            confirmed = confirm_barrier(way, options.confirm, progress=progress)
+        _give(confirmed, describe_confirmed(confirmed), options)
+    return 0
+
+
+def _give(way: xr.Dataset, words: str, options: argparse.Namespace) -> None:
+    """Write what is known by now, and say it."""
     if options.output is not None:
         write_result(way, options.output)
     if not options.quiet:
-        say(describe_barrier(way, options.first, options.second))
-    return 0 if way.attrs["saddle_modes"] >= 0 else 1
+        say(words)

@@ -171,6 +171,11 @@ class BranchSearch:
         self._first_distance, self._side = first_distance, side
         self._rule = SearchRule() if rule is None else rule
 
+    @property
+    def stays(self) -> bool:
+        """Whether the rule takes no other branch: it looks what there is, and leaves nothing."""
+        return _CHOICES[self._rule.choice] is _take_none
+
     def leave_unstable(
         self, state: State, factors: Factors, tolerance: float, reference: float
     ) -> BranchSearchOutcome:

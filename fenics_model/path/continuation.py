@@ -262,7 +262,7 @@ class Continuation:
             modes = self._count_modes(factors)
             if modes <= 0:
                 return replace(found, unstable_modes=modes)
-            if not is_guided:
+            if not is_guided or self._search.stays:
                 return self._leave_unstable(found, factors, accepted, reference)
         stable = self._flow_from_shape(found, accepted, reference)
         if stable is None:

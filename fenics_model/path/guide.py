@@ -65,6 +65,10 @@ class GuideRule:
     further_flows: int = 3
 
 
+STAYING = GuideRule(iteration_limit=20, corrections=CorrectionRule(), flow_steps=0)
+"""Of a path that leaves no unstable equilibrium: more tangents, because a flow would leave it."""
+
+
 class Guide:
     """Another result's shapes as states of the solid, and how far they are from its equilibria.
 

@@ -62,8 +62,8 @@ both the published lotus stays flat with these numbers.
 Thresholds and barriers depend on the mesh, which is of 3 mm (lotus) and 3.75 mm, 1.5 mm at the
 corners (cross). `--mesh-scale` computes others.
 
-The finite-element model has no barrier here, and neither solver the force of an indenter
-([loads.md](loads.md)).
+[states.md](states.md#the-barrier-between-two-states) has barriers by the finite-element model, and
+the force of an indenter, of thinner sheets.
 """
 
 
