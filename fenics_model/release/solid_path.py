@@ -32,7 +32,7 @@ from bilayer.specimen.support import choose_held_nodes
 from fenics_model.branches.branch_search import BranchSearch, BranchSearchOutcome, SearchRule
 from fenics_model.branches.gradient_flow import FlowRule, GradientFlow
 from fenics_model.path.continuation import Continuation, LoadPoint, Tolerances
-from fenics_model.path.guide import STAYING, Guide, GuideRule
+from fenics_model.path.guide import STAYING, Guide
 from fenics_model.path.load_schedule import WEIGHT_WAY, LoadPlace, LoadSchedule
 from fenics_model.path.shell_start import Extrusion, relax_guess
 from fenics_model.path.step_control import StepControl
@@ -271,7 +271,7 @@ class SolidPath:
             stopwatch=self._newton.stopwatch,
         )
         extrude = Extrusion(solid, self.mesh).extrude
-        rule = STAYING if self._search.stays else GuideRule()
+        rule = STAYING if self._search.stays else None
         return Guide(self._newton, extrude, relax, self._search.flow, rule)
 
     def _make_continuation(self) -> Continuation:
