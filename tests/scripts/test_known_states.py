@@ -29,9 +29,10 @@ def test_a_row_is_a_state_of_the_search():
             "times_found": (along, [4, 1]),
             "self_contact_gap": (along, [np.inf, 0.0]),
             "start_state": ("start", [0, 0, 1]),
+            "start_name": ("start", ["path", "random 1", "random 2"]),
         }
     )
     first, second = known_states.rows_of(6, 1.15, 0.006, found)
-    assert (first.energy, first.starts, first.found) == (3.0, 3, 4)
+    assert (first.energy, first.starts, first.random, first.found) == (3.0, 3, 2, 4)
     assert (second.energy, second.gap) == (4.0, 0.0)
     assert "4000000.00 (touches)" in known_states.table([second])
