@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
-from fenics_model.branches.buckling_modes import buckling_modes
+from fenics_model.branches.buckling_modes import BucklingMode, buckling_modes
 from fenics_model.branches.condensed_energy import CondensedEnergy, PressureBalance
 from fenics_model.branches.stability import unstable_modes
 from fenics_model.solid.state import State
@@ -70,6 +70,8 @@ class FlowRule:
         To what part of its start the residual falls in a time step.
     energy_noise : float
         Relative change of the energy that may be round-off.
+    halvings : int
+        How often the distance is halved at which an unstable equilibrium is left.
     corrections : CorrectionRule
         Of a time step; its residual may grow at first, because the energy is the judge.
     """
@@ -96,6 +98,7 @@ class FlowRule:
     retry: float = 10.0
     step_accuracy: float = 0.1
     energy_noise: float = 1e-9
+    halvings: int = 5
     corrections: CorrectionRule = field(
         default_factory=lambda: CorrectionRule(tangent_cost=12.0, window=2, fewest=1, fruitless=0.3)
     )
@@ -229,8 +232,8 @@ class _Step:
     ----------
     modes : int
         Unstable modes of its first tangent.
-    missing : float or None
-        See `ViscosityControl.after_failure`.
+    mode : BucklingMode or None
+        The most unstable one of them, if it is known.
     outcome : NewtonOutcome or None
         Its solution; None if the tangent is not stable.
     end : _Place or None
@@ -240,11 +243,16 @@ class _Step:
     """
 
     modes: int
-    missing: float | None = None
+    mode: BucklingMode | None = None
     outcome: NewtonOutcome | None = None
     end: _Place | None = None
     force: float = 0.0
     work: float = 0.0
+
+    @property
+    def missing(self) -> float | None:
+        """See `ViscosityControl.after_failure`."""
+        return None if self.mode is None else -self.mode.stiffness
 
     @property
     def tangents(self) -> int:
@@ -261,14 +269,21 @@ class GradientFlow:
         Solves each time step.
     first_viscosity : float
         k of the first time step, Pa/m2; it grows and falls from there.
+    escape : float
+        Distance by which an unstable equilibrium is left, m, rms over the body.
     rule : FlowRule
         Its steps.
     """
 
     def __init__(
-        self, newton: Newton, *, first_viscosity: float, rule: FlowRule | None = None
+        self,
+        newton: Newton,
+        *,
+        first_viscosity: float,
+        escape: float,
+        rule: FlowRule | None = None,
     ) -> None:
-        self._newton, self._first = newton, first_viscosity
+        self._newton, self._first, self._escape = newton, first_viscosity, escape
         self._rule = FlowRule() if rule is None else rule
         self._energy = CondensedEnergy(newton)
 
@@ -312,6 +327,8 @@ class GradientFlow:
                 outcome, end = step.outcome, step.end
                 if outcome is None or end is None or not self._went_down(here, end, step.work):
                     control = control.after_failure(step.modes, step.missing)
+                    if step.mode is not None and here.residual <= tolerance:
+                        here = self._beside(here, step.mode, balance) or here
                     continue
                 effort += Effort(dissipated=step.work)
                 if control.k > 0 and outcome.corrections == 0 and is_first:
@@ -339,7 +356,7 @@ class GradientFlow:
             factors = newton.factorise(here.state)
             modes = unstable_modes(factors, newton.solid.number_of_pressures)
             if factors.failure or modes > 0:
-                return _Step(modes, self.missing_viscosity(factors, modes, here.state))
+                return _Step(modes, self.most_unstable_mode(factors, modes, here.state))
             outcome = newton.solve(
                 here.state,
                 # below the tolerance, too: a body that is hardly out of balance has to move on
@@ -354,13 +371,34 @@ class GradientFlow:
         end = _Place.at(outcome.state, balance, newton)
         return _Step(modes, None, outcome, end, *held_back)
 
-    def missing_viscosity(self, factors: Factors, modes: int, state: State) -> float | None:
-        """Return what k lacks until no mode is unstable; None if that is not known."""
+    def most_unstable_mode(self, factors: Factors, modes: int, state: State) -> BucklingMode | None:
+        """Return the most unstable mode of a tangent; None if it is not known.
+
+        The viscosity that it lacks is minus its stiffness: the mass matrix of both is the same.
+        """
         if factors.failure or not 0 < modes <= self._rule.several:
             return None
         side = state - self._newton.solid.undeformed
         found = buckling_modes(factors, self._newton.mass, modes, side)
-        return -found[0].stiffness if found else None
+        return found[0] if found else None
+
+    def _beside(self, rest: _Place, mode: BucklingMode, balance: PressureBalance) -> _Place | None:
+        """Return a lower place to one side of an unstable equilibrium; None if neither is lower.
+
+        A flow would leave it as slowly as an exponential grows out of round-off.
+        """
+        distance = self._escape
+        for _ in range(self._rule.halvings):
+            sides = [rest.state + sign * distance * mode.direction for sign in (1, -1)]
+            places = [
+                _Place.at(self._newton.reach(rest.state, side), balance, self._newton)
+                for side in sides
+            ]
+            lower = min(places, key=lambda place: place.energy)
+            if lower.energy < rest.energy:
+                return lower
+            distance /= 2
+        return None
 
     def _went_down(self, here: _Place, there: _Place, work: float) -> bool:
         """Whether the energy fell by what the viscosity has taken at least; NaN did not."""

@@ -316,6 +316,7 @@ class SolidPath:
         flow = GradientFlow(
             self._newton,
             first_viscosity=carrier.material.shear_modulus * carrier.thickness / radius**3,
+            escape=FIRST_DISTANCE * carrier.thickness,
             rule=FlowRule(step_limit=settings.flow_steps),
         )
         return BranchSearch(

@@ -83,7 +83,10 @@ def search_of(newton, lift=None, first_distance=1e-4, step_limit=100, rule=None)
     if lift is not None:
         side = solid.interpolate(lambda x: np.stack([0 * x[0], 0 * x[0], lift(x)]))
     flow = GradientFlow(
-        newton, first_viscosity=FIRST_VISCOSITY, rule=FlowRule(step_limit=step_limit)
+        newton,
+        first_viscosity=FIRST_VISCOSITY,
+        escape=first_distance,
+        rule=FlowRule(step_limit=step_limit),
     )
     rule = SearchRule() if rule is None else rule
     return BranchSearch(newton, flow, first_distance=first_distance, side=side.values, rule=rule)

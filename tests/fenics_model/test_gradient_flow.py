@@ -79,7 +79,7 @@ def test_a_second_tangent_leads_farther_on_the_way_to_the_same_place(plate):
 
     def flow(tangents):
         rule = FlowRule(tangents=tangents)
-        flow = GradientFlow(plate.newton, first_viscosity=1e12, rule=rule)
+        flow = GradientFlow(plate.newton, first_viscosity=1e12, escape=1e-4, rule=rule)
         start = plate.flat + plate.lift(1e-2)
         return flow.flow_to_equilibrium(start, plate.tolerance, plate.reference)
 
@@ -88,14 +88,30 @@ def test_a_second_tangent_leads_farther_on_the_way_to_the_same_place(plate):
     assert many.effort.flow_steps < one.effort.flow_steps
 
 
+def test_a_body_at_rest_in_an_unstable_equilibrium_is_put_beside_it(plate):
+    """Out of round-off the plate would bend as slowly as an exponential grows."""
+
+    def flow(escape):
+        flow = GradientFlow(plate.newton, first_viscosity=1e12, escape=escape)
+        start = plate.flat + plate.lift(1e-10)
+        return flow.flow_to_equilibrium(start, plate.tolerance, plate.reference)
+
+    beside, slowly = flow(1e-4), flow(0.0)
+    assert slowly.equilibrium is not None
+    assert plate.unstable_modes(beside.state) == 0
+    assert plate.energy(beside.state) == pytest.approx(plate.energy(slowly.state), rel=1e-9)
+    assert beside.effort.flow_steps < slowly.effort.flow_steps - 10
+
+
 def test_the_missing_viscosity_of_an_unstable_tangent_is_found(plate):
     """With a little more than that no mode is unstable, with a little less one still is."""
-    flow = GradientFlow(plate.newton, first_viscosity=1e12)
+    flow = GradientFlow(plate.newton, first_viscosity=1e12, escape=1e-4)
     with plate.newton.factorise(plate.flat) as factors:
         modes = unstable_modes(factors, plate.solid.number_of_pressures)
-        missing = flow.missing_viscosity(factors, modes, plate.flat + plate.lift(1e-2))
+        mode = flow.most_unstable_mode(factors, modes, plate.flat + plate.lift(1e-2))
     assert modes > 0
-    assert missing is not None
+    assert mode is not None
+    missing = -mode.stiffness
     for share, is_stable in ((0.99, False), (1.01, True)):
         with (
             plate.newton.slow_down(share * missing, plate.flat),
@@ -106,7 +122,7 @@ def test_the_missing_viscosity_of_an_unstable_tangent_is_found(plate):
 
 
 def test_the_lowest_state_is_found(plate):
-    flow = GradientFlow(plate.newton, first_viscosity=1e12)
+    flow = GradientFlow(plate.newton, first_viscosity=1e12, escape=1e-4)
     states = [plate.flat + plate.lift(height) for height in (1e-3, 1e-4, 1e-2)]
     energies = [plate.energy(state) for state in states]
     assert flow.lowest(states) is states[energies.index(min(energies))]
