@@ -120,7 +120,10 @@ class Assembly:
         return csc_matrix((entries.data[kept], places), shape=(count, count))
 
     def _matrix(self, parts: Iterable[Array], diagonal: Array | float) -> csc_matrix:
-        values = np.concatenate([_lower_half(part).reshape(-1) for part in parts])
+        values = np.empty(len(self._slots))
+        begin = 0
+        for part in parts:
+            begin = _copy_lower_half(part, values, begin)
         values[self._twice] *= 2
         total = sum_at(self._slots, values, self._slot_count)
         total[self._diagonal_slots] += diagonal
@@ -201,8 +204,17 @@ def _counting_order(keys: NDArray[np.intc], size: int) -> NDArray[np.intc]:
     return csr_matrix((places, (keys, places)), shape=(size, len(keys))).data
 
 
-def _lower_half(matrices: Array) -> Array:
-    """Return the entries on and below the diagonal of symmetric matrices (n, k, k)."""
+def _copy_lower_half(matrices: Array, values: Array, begin: int) -> int:
+    """Copy the entries on and below the diagonal of symmetric matrices (n, k, k), row by row.
+
+    They go into `values` from the place `begin`, matrix after matrix; returns the place after them.
+    A row is copied as a whole, because an index by entries costs twice the time on fine meshes.
+    """
     count, size = matrices.shape[:2]
-    row, column = np.tril_indices(size)
-    return matrices.reshape(count, -1)[:, row * size + column]
+    width = size * (size + 1) // 2
+    end = begin + count * width
+    halves = values[begin:end].reshape(count, width)
+    for row in range(size):
+        first = row * (row + 1) // 2
+        halves[:, first : first + row + 1] = matrices[:, row, : row + 1]
+    return end
