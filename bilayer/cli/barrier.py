@@ -8,7 +8,7 @@ import xarray as xr
 from bilayer.cli.outputs import check_output
 from bilayer.cli.parser import add_verb
 from bilayer.landscape.barrier import IMAGES, MODES, ROUNDS, barrier, describe_barrier
-from bilayer.landscape.confirm_barrier import confirm_barrier, describe_confirmed
+from bilayer.landscape.confirm_barrier import confirm_barrier, describe_confirmed, is_confirmed
 from bilayer.results.files import check_result_output, open_result, write_result
 from bilayer.runtime.progress import progress_bar
 from bilayer.runtime.ranks import is_first_rank
@@ -43,7 +43,7 @@ def add(verbs: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do it; return the exit status: 1 if no saddle was found."""
+    """Do it; return the exit status: 1 if no saddle was found, or it is not confirmed."""
     if not is_first_rank():
         return 0
     check_output(options, check_result_output)
@@ -64,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
         with progress_bar(options.confirm, shown=not options.quiet) as progress:
             confirmed = confirm_barrier(way, options.confirm, progress=progress)
         _give(confirmed, describe_confirmed(confirmed), options)
+        return 0 if is_confirmed(confirmed) else 1
     return 0
 
 

@@ -50,7 +50,8 @@ def confirm_barrier(
     -------
     Dataset
         The same with the attributes `confirmed_barrier` and `confirmed_barrier_back` (J),
-        `confirmed_saddle_modes` (1 if it is a pass for that solver, too) and `confirmed_by`.
+        `confirmed_saddle_modes` and `confirmed_by`. Unless these modes are as many as the
+        `saddle_modes` of the way, the solver came to another equilibrium: not confirmed.
 
     Raises
     ------
@@ -105,10 +106,20 @@ def _equilibrium_near(shape: xr.Dataset, place: str, solver: str, settings: Any)
     return found
 
 
+def is_confirmed(way: xr.Dataset) -> bool:
+    """Whether the other solver's equilibrium has as many unstable modes as the shell's saddle."""
+    return bool(way.attrs[CONFIRMED_MODES] == way.attrs[MODES])
+
+
 def describe_confirmed(way: xr.Dataset) -> str:
-    """Return what the other solver has found, in a sentence."""
+    """Return what the other solver has found, in a sentence or two."""
     up, back, modes = way.attrs[UP], way.attrs[BACK], way.attrs[CONFIRMED_MODES]
+    found = (
+        f"{way.attrs[BY]}: {1e6 * up:.4g} uJ up and {1e6 * back:.4g} uJ back, over an equilibrium "
+        f"with {modes} unstable mode{'s' * (modes != 1)}"
+    )
+    if is_confirmed(way):
+        return found
     return (
-        f"{way.attrs[BY]}: {1e6 * up:.4g} uJ up and {1e6 * back:.4g} uJ back, over a saddle with "
-        f"{modes} unstable mode{'s' * (modes != 1)}"
+        f"{found}\nNOT CONFIRMED: the shell's saddle has {way.attrs[MODES]}, so it is another one"
     )

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("dolfinx")
 
 import bilayer
-from bilayer.landscape.confirm_barrier import confirm_barrier, describe_confirmed
+from bilayer.landscape.confirm_barrier import confirm_barrier, describe_confirmed, is_confirmed
 
 LOTUS = Path(__file__).parents[2] / "examples" / "trilayer_lotus.toml"
 
@@ -27,7 +27,16 @@ def test_the_pass_of_the_shell_is_one_of_the_solid(way):
     assert confirmed.attrs["confirmed_saddle_modes"] == 1
     assert up == pytest.approx(back, rel=1e-6)
     assert up == pytest.approx(way.attrs["barrier"], rel=0.05)
-    assert "over a saddle with 1 unstable mode" in describe_confirmed(confirmed)
+    assert is_confirmed(confirmed)
+    assert describe_confirmed(confirmed).endswith("with 1 unstable mode")
+
+
+@pytest.mark.parametrize("modes", [0, 3])
+def test_an_equilibrium_with_other_modes_confirms_nothing(way, modes):
+    found = {"confirmed_barrier": 1e-6, "confirmed_barrier_back": 1e-6, "confirmed_by": "fenics"}
+    other = way.assign_attrs(confirmed_saddle_modes=modes, **found)
+    assert not is_confirmed(other)
+    assert "NOT CONFIRMED: the shell's saddle has 1" in describe_confirmed(other)
 
 
 def test_a_way_without_a_saddle_cannot_be_confirmed(way):
